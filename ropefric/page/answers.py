@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -14,18 +15,16 @@ from typing import Any
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import RopefricError
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
-from ropefric.fitting.compare import ComparisonEntry, choose_law
+from ropefric.fitting.compare import choose_law
 from ropefric.fitting.design import QUANTITIES, design
-from ropefric.fitting.diagnose import WORDS
 from ropefric.fitting.predict import predict
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import condition_means
 from ropefric.fitting.store import save_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.page.review import Review
-from ropefric.pipeline import CampaignAnswer, CampaignRun, plan_for_design
+from ropefric.pipeline import CampaignRun, plan_for_design
 from ropefric.report import parts
 from ropefric.scenes.explain import explain_solution
 from ropefric.scenes.keys import scene_keys
@@ -44,29 +43,18 @@ _APART = 0.03
 
 @lru_cache(maxsize=1)
 def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
-    """Return all laws with their verdicts, the law in use with data and intervals, and the open questions."""
-    answer, fit = run.answer, run.answer.fit
-    causes = [
-        {**one._asdict(), "supported": WORDS[one.supported], "numbers": dict(one.numbers)}
-        for one in answer.diagnosis.causes
-    ]
-    tree = {
-        "law": fit.law, "asked": review.law, "how": answer.winner.how, "equation": fit.friction_law.equation,
-        "verdict": answer.verdict.to_dict(), "parameters": fit.to_dict()["parameters"],
-        "ranking": [{**one.to_dict(), "verdict": _verdict(answer, one)} for one in answer.comparison.ranking],
-        "conditions": [review.settings_of(one) for one in run.extraction.conditions],
-        "doubts": list(answer.doubts), "summary": answer.diagnosis.summary, "causes": causes,
-        "series": [*_series(fit)], "has_design": answer.prediction is not None,
-    }  # fmt: skip
+    """Return the answer as `ropefric run` has it, a verdict on each fitted law, the conditions, and the curves."""
+    answer = run.answer
+    tree = answer.to_dict() | {
+        "asked": review.law,
+        "how": answer.winner.how,
+        "equation": answer.fit.friction_law.equation,
+        "verdicts": {fit.law: choose_law(answer.comparison, fit.law).verdict.word for fit in answer.fits},
+        "conditions": review.conditions_of(run),
+        "series": [*_series(answer.fit)],
+        "rope_radius_m": run.campaign.rope.radius_m,
+    }
     return dict(_plain(tree))
-
-
-def _verdict(answer: CampaignAnswer, entry: ComparisonEntry) -> str:
-    """Return the verdict on a law, as if a person had chosen it."""
-    try:
-        return choose_law(answer.comparison, entry.law).verdict.word if entry.fit is not None else "–"
-    except RopefricError:
-        return "–"
 
 
 def _series(fit: FitResult) -> Iterator[dict[str, Any]]:
@@ -114,17 +102,7 @@ def plan_of(run: CampaignRun) -> dict[str, Any]:
     """Return the pulls that reduce the uncertainty of the design's lift force most, as `run` writes them."""
     assert run.answer.prediction is not None  # noqa: S101  (the page offers it for a design only)
     plan = plan_for_design(run.answer, run, run.answer.prediction.conditions)
-    return {"text": as_text(parts.plan_sections(plan)), "conditions": _plain(plan.rows())}
-
-
-def wheel_of(run: CampaignRun) -> dict[str, Any]:
-    """Return the tested range of the law, and the wheel shown first."""
-    tested, wished = run.answer.fit.validity, run.campaign.design
-    middle = {name: 0.5 * (low + high) for name, (low, high) in tested.items()}
-    names = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
-    own = {name: getattr(wished, name) for name in names} if wished is not None else {}
-    tree = {"tested": dict(tested), "at": middle | own | {"rope_radius_m": run.campaign.rope.radius_m}}
-    return dict(_plain(tree)) | {"law": run.answer.fit.law}
+    return {"text": as_text(parts.plan_sections(plan))}
 
 
 def lift_of(run: CampaignRun, settings: Mapping[str, float]) -> dict[str, Any]:
@@ -138,13 +116,12 @@ def lift_of(run: CampaignRun, settings: Mapping[str, float]) -> dict[str, Any]:
     return {**found.to_dict(), **_plain(curve), "tested_deg": [degrees(low_rad), degrees(high_rad)]}
 
 
-def inverse_of(
-    run: CampaignRun, lift_N: float, solve_for: str, probability: float | None, settings: Mapping[str, float]
-) -> dict[str, Any]:
+def inverse_of(run: CampaignRun, asked: Mapping[str, str], settings: Mapping[str, float]) -> dict[str, Any]:
     """Return the smallest wrap, wheel or end tension that lifts a load, as `ropefric design` does."""
+    solve_for, probability = asked["solve_for"], float(asked["probability"]) if asked["probability"] else None
     given = {name: value for name, value in settings.items() if name != QUANTITIES[solve_for][0]}
-    asked: dict[str, Any] = {"solve_for": solve_for, "probability": probability, **given}
-    return design(run.answer.fit, lift_N=[lift_N], **asked).to_dict()
+    how: dict[str, Any] = {"solve_for": solve_for, "probability": probability, **given}
+    return design(run.answer.fit, lift_N=[float(asked["lift_N"])], **how).to_dict()
 
 
 def machine_names() -> list[dict[str, str]]:
@@ -187,11 +164,8 @@ def solve_machine(name: str, values: Mapping[str, str], own: FitResult | None) -
 
 def _fits(name: str, key: str) -> bool:
     """Return whether a declared name, in which … and [] are names and numbers of the user, matches a key."""
-    parts, own = name.replace("[]", ".[]").split("."), key.split(".")
-    pairs = zip(parts, own, strict=False)
-    return len(parts) == len(own) and all(
-        part in (one, "…") or (part == "[]" and one.isdecimal()) for part, one in pairs
-    )
+    pattern = re.escape(name).replace("…", r"[^.]+").replace(r"\[\]", r"\.\d+")
+    return re.fullmatch(pattern, key) is not None
 
 
 def _value(text: str) -> Any:

@@ -2,17 +2,17 @@
 
 import os
 import threading
-from collections.abc import Callable, Iterable, Mapping
-from math import nan
-from pathlib import Path, PurePath
+from collections.abc import Callable, Mapping
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 from ropefric import pipeline
-from ropefric.errors import DataError, InputError, known_error
-from ropefric.files.disk import read_file, replacing
+from ropefric.errors import DataError, InputError
+from ropefric.files.disk import read_file, write_file
 from ropefric.page import answers
-from ropefric.page.recordings import HEADERS, Draft, wish_of
+from ropefric.page.recordings import Draft, wish_of
 from ropefric.page.review import Review
+from ropefric.page.work import Step, Work
 from ropefric.report import campaign as reports
 from ropefric.report.page import Wish, find_browser
 from ropefric.trials.campaign import load_campaign
@@ -25,69 +25,6 @@ MOST_FILES, MOST_BYTES = 10_000, 8 * 2**30
 """Limits of all files dropped on the page together."""
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _SHOWN = ("report.html", "report.pdf", "summary.txt")
-REPORT_WITH = "what you did on the page"
-"""The part of a fault report that only the person at the page knows."""
-
-Progress = Callable[[int, int, str], None]
-
-
-class _StoppedError(Exception):
-    """The person has stopped the work in progress."""
-
-
-class Work:
-    """One long work at a time, in a thread of its own, with its progress; it can be stopped."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
-        self._stop = False
-        self._state: dict[str, Any] = {"name": "", "running": False, "done": 0, "total": 0, "item": ""}
-
-    def begin(self, name: str, do: Callable[["Work"], Any]) -> dict[str, Any]:
-        """Begin a work, which calls `step` now and then, and return its state."""
-        with self._lock:
-            if self._state["running"]:
-                raise InputError(f"{self._state['name']} has not finished yet", fix="wait for it, or stop it")
-            self._stop = False
-            self._state = {"name": name, "running": True, "done": 0, "total": 0, "item": ""}
-            self._thread = threading.Thread(target=self._run, args=(do,), name=name, daemon=True)
-            self._thread.start()
-        return {"work": self.state()}
-
-    def _run(self, do: Callable[["Work"], Any]) -> None:
-        try:
-            ended = {"result": do(self)}
-        except _StoppedError:
-            message = f"{self._state['name']} was stopped; nothing of it is lost"
-            ended = {"error": {"code": "", "message": message}}
-        except Exception as error:  # noqa: BLE001  (the boundary: the page gets words)
-            ended = known_error(error, report_with=REPORT_WITH).to_dict()
-        with self._lock:
-            self._state |= {"running": False, **ended}
-
-    def step(self, done: int, total: int, item: str) -> None:
-        """Note the progress of the work; end the work if the person has stopped it."""
-        if self._stop:
-            raise _StoppedError
-        with self._lock:
-            self._state |= {"done": done, "total": total, "item": item}
-
-    def state(self) -> dict[str, Any]:
-        """Return the state of the work."""
-        with self._lock:
-            return dict(self._state)
-
-    def stop(self) -> dict[str, Any]:
-        """Ask the work to end at its next step."""
-        self._stop = True
-        return self.state()
-
-    def close(self) -> None:
-        """End the work, and wait a moment for it."""
-        self._stop = True
-        if self._thread is not None:
-            self._thread.join(5.0)
 
 
 class Desk:
@@ -99,31 +36,25 @@ class Desk:
         A campaign file; or a folder: of a campaign, of results, or of recordings.
     by : str
         Who decides.
-    out : Path, optional
-        Where results go; by default `out` beside the campaign.
-    review : Review, optional
-        Of the campaign, if it is open already.
+    campaign : Path, optional
+        The campaign whose results are in the folder, which does not say so itself.
     jobs : int
         Processes that read the recordings.
     """
 
-    def __init__(
-        self, place: Path, *, by: str, out: Path | None = None, review: Review | None = None, jobs: int = 1
-    ) -> None:
-        self.by, self.jobs, self.review = by, jobs, review
-        self.campaign, law = _campaign_at(place)
-        self.law = review.law if review is not None else law
-        if out is None and place.is_dir() and (place / pipeline.MANIFEST).is_file():
-            out = place
-        self._out, self._recordings = out, ""
-        home = place if self.campaign is None else self.campaign.parent
+    def __init__(self, place: Path, *, by: str, campaign: Path | None = None, jobs: int = 1) -> None:
+        self.by, self.jobs = by, jobs
+        self.review: Review | None = None
+        self.campaign, self._law = (campaign, "") if campaign else _campaign_at(place)
+        is_result = campaign is not None or (place / pipeline.MANIFEST).is_file()
+        self._out = place if place.is_dir() and is_result else None
+        self._recordings, home = "", place if self.campaign is None else self.campaign.parent
         if self.campaign is None and any(one.is_file() for one in place.iterdir()):
             # A campaign is beside its recordings.
             self._recordings, home = str(place), place.absolute().parent
         self.draft = Draft(home)
         self.work, self._lock = Work(), threading.Lock()
         self._n_files = self._n_bytes = 0
-        self._coming: set[Path] = set()
         self.reads: dict[str, Callable[[Mapping[str, str]], Any]] = {
             "state": lambda _: self.state(),
             "work": lambda _: self.work.state(),
@@ -133,11 +64,12 @@ class Desk:
             "answer": lambda _: self.opened.answer(),
             "trial": lambda q: self.opened.trial(q["trial"]),
             "preview": lambda q: self.opened.preview(q["trial"], float(q["pick_s"])),
-            "curve": lambda q: self.opened.curve(q["trial"], *_stretch(q), int(q["columns"])),
+            "curve": lambda q: self.opened.curve(
+                q["trial"], float(q["start_s"]), float(q["stop_s"]), int(q["columns"])
+            ),
             "law": lambda _: self._of_run(lambda run: answers.law_of(self.opened, run)),
-            "wheel": lambda _: self._of_run(answers.wheel_of),
             "lift": lambda q: self._of_run(lambda run: answers.lift_of(run, _settings(q))),
-            "inverse": self._inverse,
+            "inverse": lambda q: self._of_run(lambda run: answers.inverse_of(run, q, _settings(q))),
             "machines": lambda _: answers.machine_names(),
             "machine": lambda q: answers.machine_form(q["name"]),
         }
@@ -145,12 +77,12 @@ class Desk:
             "begin": self._begin_draft,
             "propose": self._propose,
             "write": self._write,
-            "open": lambda _: self.work.begin("reading the recordings", self._open),
+            "open": lambda _: self.work.begin("reading the recordings", self.open),
             "stop": lambda _: self.work.stop(),
-            "decide": self._decide,
+            "decide": lambda asked: self.opened.decide(**asked),
             "undo": lambda _: self.opened.undo(),
             "switch": lambda asked: self.opened.switch(asked["trial"], str(asked["text"]).strip()),
-            "use-law": lambda asked: self._use_law(str(asked["law"])),
+            "use-law": lambda asked: self.opened.use_law(str(asked["law"])),
             "plan": lambda _: self.work.begin("planning tests", lambda _: self._of_run(answers.plan_of)),
             "solve": self._solve,
             "report": self._report,
@@ -182,36 +114,25 @@ class Desk:
             "campaign": "" if self.campaign is None else str(self.campaign),
             "name": "" if self.review is None else self.review.campaign.name,
             "ready": self.review is not None,
-            "by": self.by,
             "out": str(self.out),
             "reports": [name for name in _SHOWN if (self.out / name).is_file()],
-            "headers": list(HEADERS),
-            "dropped": str(self.draft.home / DROPPED),
             "largest_file": MOST_OF_A_FILE,
         }
 
     # --- the recordings ---
 
-    def upload(self, name: str, content: Iterable[bytes], size: int) -> dict[str, Any]:
+    def upload(self, name: str, content: bytes) -> dict[str, Any]:
         """Write a file that was dropped on the page; an existing file is never replaced."""
-        plain = PurePath(name.replace("\\", "/")).name
-        if not plain or plain.startswith(".") or plain != name or not plain.isprintable():
+        if not name or name.startswith(".") or PureWindowsPath(name).name != name or not name.isprintable():
             raise InputError(f"{name!r} is no name of a recording", key="name", fix="rename the file")
-        path = self.draft.home / DROPPED / plain
+        path = self.draft.home / DROPPED / name
         with self._lock:
-            self._n_files, self._n_bytes = self._n_files + 1, self._n_bytes + size
+            self._n_files, self._n_bytes = self._n_files + 1, self._n_bytes + len(content)
             if self._n_files > MOST_FILES or self._n_bytes > MOST_BYTES:
                 raise InputError("too much was dropped", fix="name the folder of the recordings instead")
-            if path in self._coming or os.path.lexists(path):
+            if os.path.lexists(path):
                 raise InputError("the file exists already", code="RF150", path=path, fix="rename it")
-            self._coming.add(path)
-        try:
-            path.parent.mkdir(exist_ok=True)
-            with replacing(path) as file:
-                if sum(map(file.write, content)) < size:
-                    raise DataError("the file broke off on its way", path=path, fix="drop it again")
-        finally:
-            self._coming.discard(path)
+            write_file(path, content)
         self._recordings = str(path.parent)
         return {"recordings": self._recordings}
 
@@ -224,36 +145,27 @@ class Desk:
         wish = wish_of(asked)
         if self.draft.campaign is None:
             self.draft.home, self._recordings = Path(asked.get("home") or self.draft.home), wish.recordings
-        return self.work.begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
+        return self.work.begin("looking at the recordings", lambda step: self.draft.propose(wish, step))
 
     def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
         self.campaign = self.draft.write(asked["shown"], overwrite=bool(asked.get("overwrite")))
         if self.draft.campaign is None:  # a new one
             if self.review is not None:
                 self.review.close()
-            self.review, self.law, self._out = None, "", None
+            self.review, self._law, self._out = None, "", None
         self.draft = Draft(self.campaign.parent, self.campaign)
         return self.state()
 
-    def _open(self, work: Work) -> dict[str, Any]:
+    def open(self, step: Step) -> dict[str, Any]:
         """Open the campaign; one that is open already is read again, as far as its files have changed."""
         if self.campaign is None:
             raise InputError("there is no campaign here yet", fix="begin with the recordings")
         if self.review is not None:
-            self.review.reload(work.step)
+            self.review.reload(step)
         else:
-            how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
-            opened = Review(self.campaign, by=self.by, **how)
-            opened.look_once()
-            self.review = opened
+            how: dict[str, Any] = {"law": self._law, "jobs": self.jobs, "progress": step}
+            self.review = Review(self.campaign, by=self.by, **how)
         return self.state()
-
-    # --- the picks ---
-
-    def _decide(self, asked: dict[str, Any]) -> dict[str, Any]:
-        pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))
-        pick_s = None if pick_s is None else float(pick_s)
-        return self.opened.decide(asked["trial"], asked["action"], pick_s=pick_s, text=text)
 
     # --- the law, wheels and machines ---
 
@@ -261,16 +173,6 @@ class Desk:
         """Return a result of the answer to all trials, or that it is being computed; raise its error, if any."""
         run = self.opened.run()
         return {"computing": self.opened.answer()["computing"] or "fit"} if run is None else make(run)
-
-    def _use_law(self, law: str) -> dict[str, Any]:
-        self.opened.use_law(law)
-        self.law = law
-        return {"law": law}
-
-    def _inverse(self, query: Mapping[str, str]) -> dict[str, Any]:
-        probability = float(query["probability"]) if query.get("probability") else None
-        asked = (float(query["lift_N"]), query["solve_for"], probability, _settings(query))
-        return self._of_run(lambda run: answers.inverse_of(run, *asked))
 
     def _solve(self, asked: dict[str, Any]) -> dict[str, Any]:
         name, values = asked["name"], {key: str(text) for key, text in dict(asked["values"]).items()}
@@ -287,15 +189,15 @@ class Desk:
         if wish.pdf:
             find_browser()  # before the work
 
-        def report(work: Work) -> dict[str, Any]:
+        def report(step: Step) -> dict[str, Any]:
             loaded = load_campaign(campaign)
             with pipeline.campaign_folder(loaded, self.out) as target:
                 how: dict[str, Any] = {
-                    "extract_progress": work.step,
-                    "fit_progress": lambda law, done, total: work.step(done, total, law),
+                    "extract_progress": step,
+                    "fit_progress": lambda law, done, total: step(done, total, law),
                 }
-                done = pipeline.run_campaign(loaded, target, law=self.law, jobs=self.jobs, **how)
-                reports.write_report(done, target, wish, progress=work.step)
+                done = pipeline.run_campaign(loaded, target, law=self.opened.law, jobs=self.jobs, **how)
+                reports.write_report(done, target, wish, progress=step)
                 target.publish("answer")
             return self.state()
 
@@ -319,8 +221,3 @@ def _campaign_at(place: Path) -> tuple[Path | None, str]:
 
 def _settings(query: Mapping[str, str]) -> dict[str, float]:
     return {name: float(query[name]) for name in _SETTINGS}
-
-
-def _stretch(query: Mapping[str, str]) -> tuple[float, float]:
-    """Return the ends of a stretch of time [s]; NaN for an end of the recording."""
-    return float(query.get("start_s") or nan), float(query.get("stop_s") or nan)

@@ -4,7 +4,9 @@ import csv
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from difflib import unified_diff
 from hashlib import sha256
 from math import nan
@@ -16,9 +18,10 @@ import numpy as np
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import read_file, write_files
 from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
-from ropefric.files.toml import parse_toml
+from ropefric.files.toml import TomlDocument, parse_toml
 from ropefric.files.toml_edit import Keys, with_values
-from ropefric.page.review import decimated
+from ropefric.page.review import changed_meanwhile, decimated
+from ropefric.page.work import Step
 from ropefric.quantities import parse_quantity
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import Inspection, as_signals, trace_as_it_is
@@ -30,15 +33,8 @@ from ropefric.trials.proposal import Proposal, files_of, inspected, propose_camp
 from ropefric.trials.trial_list import list_from_names
 from ropefric.trials.workers import Limits
 
-Progress = Callable[[int, int, str], None]
-MOST_ROWS, MOST_FILES, MOST_PROBLEMS, MOST_LINES = 200, 5000, 60, 200
-"""Rows of a list of trials, recordings to choose, problems, and changed lines that are shown on the page."""
-_OWN_FOLDER = 'data   = "."'
-HEADERS = (
-    *("wheel", "wheel_radius_mm", "wrap_angle_deg", "wrap_turns", "end_tension_N", "end_mass_kg"),
-    *("cell", "repeat", "*"),
-)
-"""Quantities that file names often contain, as headers of a list of trials; \"*\" is anything else."""
+MOST_PROBLEMS, MOST_LINES = 60, 200
+"""Problems and changed lines that are shown on the page."""
 _PROBLEM = ("severity", "code", "key", "message", "fix")
 _NO_CHANNEL = Channel(column="")
 _BOM = b"\xef\xbb\xbf"
@@ -57,15 +53,11 @@ class Wish(NamedTuple):
     settings: Mapping[Keys, Any]
     cells: Mapping[str, str]
 
-    def given(self, *, importing: bool) -> dict[Keys, Any]:
-        """Return the settings that have a value: those of `[import]`, or all others."""
-        given = {keys: value for keys, value in self.settings.items() if value}
-        return {keys: value for keys, value in given.items() if (keys[0] == "import") is importing}
-
     @property
     def known(self) -> ImportProfile:
         """Return how recordings are to be read, as far as it is stated."""
-        known = {keys[-1]: value for keys, value in self.given(importing=True).items()}
+        stated = self.settings.items()
+        known = {keys[-1]: value for keys, value in stated if value and keys[0] == "import"}
         if "sampling_rate" in known:
             rate_Hz = parse_quantity(known.pop("sampling_rate"), "Hz", name="the sampling rate")
             known["sampling_rate_Hz"] = rate_Hz
@@ -74,29 +66,20 @@ class Wish(NamedTuple):
 
 
 def wish_of(tree: Mapping[str, Any]) -> Wish:
-    """Return a wish as the page sends it: channels by name, settings by table and key."""
-    channels = {
-        name: Channel(**{**one, "column": _column(one["column"])})
-        for name, one in tree.get("channels", {}).items()
-    }
-    settings = {
-        (*filter(None, table.split(".", 1)), key): value
-        for table, keys in tree.get("settings", {}).items()
-        for key, value in keys.items()
-    }
-    if named_by := settings.get(("import", "recording_column")):
-        settings["import", "recording_column"] = _column(named_by)
+    """Return a wish as the page sends it: channels by name, settings in tables as campaign.toml has them."""
+    channels = {name: Channel(**one) for name, one in tree.get("channels", {}).items()}
     cells = {column: name for column, name in tree.get("cells", {}).items() if name}
+    settings = dict(_leaves(tree.get("settings", {})))
     return Wish(tree.get("recordings", ""), tree.get("pattern", ""), channels, settings, cells)
 
 
-def _column(text: str) -> str | int:
-    """Return a column by its header, or by its number where the page says "#3"."""
-    return int(text[1:]) if text.startswith("#") and text[1:].isdecimal() else text
-
-
-def _column_text(column: str | int) -> str:
-    return f"#{column}" if isinstance(column, int) else column
+def _leaves(tables: Mapping[str, Any], above: Keys = ()) -> Iterator[tuple[Keys, Any]]:
+    """Yield the values in tables, each with its keys."""
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _leaves(value, (*above, key))
+        else:
+            yield (*above, key), value
 
 
 class _Seen(NamedTuple):
@@ -125,37 +108,34 @@ class Draft:
         self._own = b"" if campaign is None else read_file(campaign)
         self._first_channels: Mapping[str, Channel] | None = None
 
+    @property
+    def _document(self) -> TomlDocument:
+        """Return the campaign file as it was in the beginning; an empty one of a new campaign."""
+        return parse_toml(self._own, str(self.campaign), "campaign file")
+
     def form(self) -> dict[str, Any]:
         """Return the settings of the campaign as its file stated them in the beginning."""
-        data = parse_toml(self._own, str(self.campaign), "campaign file").data
-        return dict(json.loads(json.dumps(data, default=str)))
+        return dict(json.loads(json.dumps(self._document.data, default=str)))
 
-    def propose(self, wish: Wish, progress: Progress | None = None) -> dict[str, Any]:
+    def propose(self, wish: Wish, progress: Step | None = None) -> dict[str, Any]:
         """Return columns, trials and problems of the recordings under a wish, and the lines that would change."""
         if not self.home.is_dir():
             raise DataError("there is no such folder", path=self.home, fix="make it, or choose another one")
         if self.campaign is not None and read_file(self.campaign) != self._own:
-            raise _changed(self.campaign)
+            raise changed_meanwhile(self.campaign)
         seen = self._revised(self.campaign, wish) if self.campaign else self._new(wish, progress)
         self._seen, self._there = seen, self._contents()
-        wheels, files = (
-            [row[seen.header.index(name)] for row in seen.rows] if name in seen.header else []
-            for name in ("wheel", "file")
-        )
+        channels = _shown_channels(seen.found)
+        changes = (_difference(name, old, self._texts[name]) for name, old in self._there.items())
         return {
             "found": None if seen.found is None else seen.found.to_dict(),
-            "channels": {} if seen.found is None else _channels(seen.found.profile),
+            "channels": {name: asdict(one) for name, one in channels.items()},
             "said": seen.said,
             "header": seen.header,
-            "rows": seen.rows[:MOST_ROWS],
-            "n_rows": len(seen.rows),
-            "files": files[:MOST_FILES],
-            "wheels": sorted({*wheels} - {""}),
+            "rows": seen.rows,
             "problems": _counted(seen.problems)[:MOST_PROBLEMS],
             "there": [*self._there],
-            "difference": "".join(
-                _difference(one, old, self._texts[one]) for one, old in self._there.items()
-            ),
+            "difference": "".join(changes),
             "shown": self.shown,
         }
 
@@ -164,62 +144,55 @@ class Draft:
         there = (name for name in self._texts if os.path.lexists(self.home / name))
         return {name: read_file(self.home / name) for name in there}
 
-    def _new(self, wish: Wish, progress: Progress | None) -> _Seen:
+    def _new(self, wish: Wish, progress: Step | None) -> _Seen:
         """Return the recordings of a proposed campaign; they are read again only if the wish changes how."""
         read = (wish.recordings, wish.pattern, repr(wish.known), self.home)
         if self._read is None or self._read[0] != read:
             how: dict[str, Any] = {"known": wish.known, "progress": progress}
             self._read = read, propose_campaign(wish.recordings, wish.pattern, self.home, **how)
         proposal: Proposal = self._read[1]
-        texts = template_texts(proposal.section, wish.given(importing=False))
+        stated = {keys: value for keys, value in wish.settings.items() if value and keys[0] != "import"}
         header, *rows = csv.reader(proposal.trials.decode().splitlines())
         cells = {column: to_spreadsheet(name) for column, name in wish.cells.items() if column not in header}
         header, rows = [*header, *cells], [[*row, *cells.values()] for row in rows]
-        texts[TEMPLATES[1]] = csv_text([header, *rows]).encode() if cells else proposal.trials
-        self._texts = texts
+        listed = {TEMPLATES[1]: csv_text([header, *rows]).encode()}
+        self._texts = template_texts(proposal.section, stated) | listed
         with tempfile.TemporaryDirectory(prefix="ropefric-") as folder:
-            data = f"data   = {json.dumps(self.home.resolve().as_posix(), ensure_ascii=False)}"
-            toml = texts[TEMPLATES[0]].replace(_OWN_FOLDER.encode(), data.encode(), 1)
-            write_files(folder, texts | {TEMPLATES[0]: toml})
+            elsewhere = stated | {("data",): self.home.resolve().as_posix()}
+            write_files(folder, template_texts(proposal.section, elsewhere) | listed)
             problems, _ = _examined(Path(folder, TEMPLATES[0]), None)
         rows = [[from_spreadsheet(cell) for cell in row] for row in rows]
         return _Seen(self.home, header, rows, proposal.found, problems, proposal.said)
 
     def _revised(self, path: Path, wish: Wish) -> _Seen:
         """Return the recordings of the existing campaign, read with its changed settings."""
-        data = self.form()
-        content = self._changed(data, wish)
+        data, content = self._document.data, self._changed(wish)
         self._texts = {path.name: content} if content != self._own else {}
         problems, campaign = _examined(path, content)
         header, rows = _listed(self.home / str(data.get("trials", "")))
         folder, profile = self.home / str(data.get("data", ".")), campaign.profile if campaign else wish.known
         read: Inspection | str = "the list of trials names no recording"
         if rows and "file" in header:
-            read = self._inspected(folder / rows[0][header.index("file")], profile)
+            read = inspected([folder / rows[0][header.index("file")]], profile, Limits())
         found, said = (None, [read]) if isinstance(read, str) else (read, [])
         if self._first_channels is None and found is not None:
-            self._first_channels = dict(wish_of({"channels": _channels(found.profile)}).channels)
+            self._first_channels = _shown_channels(found)
         return _Seen(folder, header, rows, found, problems, said)
 
-    def _inspected(self, recording: Path, profile: ImportProfile) -> Any:
-        """Return what a recording holds, or why it cannot be read; it is read again only if its profile changes."""
-        if self._read is None or self._read[0] != repr(profile):
-            self._read = repr(profile), inspected([recording], profile, Limits())
-        return self._read[1]
-
-    def _changed(self, data: Mapping[str, Any], wish: Wish) -> bytes:
+    def _changed(self, wish: Wish) -> bytes:
         """Return the campaign file with the settings that a wish changes."""
+        stated = dict(_leaves(self._document.data))
         settings = wish.settings.items()
-        values = {keys: value or None for keys, value in settings if str(_value_at(data, keys)) != str(value)}
-        values |= self._changed_channels(data, wish.channels)
+        values = {keys: value or None for keys, value in settings if str(stated.get(keys, "")) != str(value)}
+        values |= self._changed_channels(wish.channels)
         mark = _BOM if self._own.startswith(_BOM) else b""
         return mark + with_values(self._own.decode("utf-8-sig"), values).encode()
 
-    def _changed_channels(self, data: Mapping[str, Any], wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
+    def _changed_channels(self, wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
         """Return the channels that differ from those the page showed first, as the campaign file has them."""
         shown = self._first_channels or {}
         changed = [name for name, one in wanted.items() if one != shown.get(name, _NO_CHANNEL)]
-        stated, values = _value_at(data, ("import", "channels")) or {}, dict[Keys, Any]()
+        stated, values = self._document.table("import", "channels"), dict[Keys, Any]()
         # Once one is stated, no other is found out.
         for name in wanted if changed and not stated else changed:
             value, own = channel_value(wanted[name]), stated.get(name)
@@ -242,7 +215,7 @@ class Draft:
         if self._seen is None:
             raise InputError("nothing is proposed yet", fix="look at the recordings first")
         if shown != self.shown or self._contents() != self._there:
-            raise _changed(self.campaign or self.home)
+            raise changed_meanwhile(self.campaign or self.home)
         written = write_files(self.home, self._texts, overwrite=overwrite)
         return self.campaign or written[0]
 
@@ -250,7 +223,7 @@ class Draft:
         """Return the list of trials that file names make by a pattern; no recording is read."""
         trials, missed = list_from_names(files_of(recordings), pattern, self.home)
         header, *rows = csv.reader(trials.decode().splitlines())
-        return {"header": header, "rows": rows[:MOST_ROWS], "n_rows": len(rows), "said": missed}
+        return {"header": header, "rows": rows, "said": missed}
 
     def trace(self, number: int, columns: int) -> dict[str, Any]:
         """Return one recording of the list as it is drawn, before any tare: its force, and the end tension beside it."""
@@ -285,21 +258,17 @@ def _examined(path: Path, content: bytes | None) -> tuple[tuple[Problem, ...], A
     return (*problems, *(check_recordings(campaign)[1] if campaign is not None else ())), campaign
 
 
-def _value_at(data: Any, keys: Keys) -> Any:
-    """Return the value at some keys of a TOML tree; "" where there is none."""
-    for key in keys:
-        data = data.get(key, "") if isinstance(data, dict) else ""
-    return data
+def _shown_channels(found: Inspection | None) -> dict[str, Channel]:
+    """Return the channels of a recording, as far as the page has fields for them."""
+    channels = {} if found is None else found.profile.channels
+    names = ("column", "unit", "sensitivity")
+    return {key: Channel(**{name: getattr(one, name) for name in names}) for key, one in channels.items()}
 
 
 def _counted(problems: Iterable[Problem]) -> list[dict[str, Any]]:
     """Return each problem once, with its number of occurrences."""
-    groups: dict[tuple[str, str], list[Problem]] = {}
-    for one in problems:
-        groups.setdefault((one.severity, one.message), []).append(one)
-    return [
-        {name: getattr(same[0], name) for name in _PROBLEM} | {"times": len(same)} for same in groups.values()
-    ]
+    found = Counter(tuple(getattr(one, name) for name in _PROBLEM) for one in problems)
+    return [dict(zip(_PROBLEM, one, strict=True)) | {"times": n} for one, n in found.items()]
 
 
 def _difference(name: str, before: bytes, after: bytes) -> str:
@@ -308,16 +277,3 @@ def _difference(name: str, before: bytes, after: bytes) -> str:
     lines = [*unified_diff(old, new, name, name, n=1)]
     more = [f"… and {len(lines) - MOST_LINES} more lines\n"] if len(lines) > MOST_LINES else []
     return "".join(lines[:MOST_LINES] + more)
-
-
-def _changed(path: Path) -> DataError:
-    why = "somebody else has changed the campaign meanwhile, so nothing was written"
-    return DataError(why, code="RF153", path=path, fix="read it again")
-
-
-def _channels(profile: ImportProfile) -> dict[str, dict[str, str]]:
-    """Return the channels of a profile as the page's fields hold them."""
-    return {
-        name: {"column": _column_text(one.column), "unit": one.unit, "sensitivity": one.sensitivity}
-        for name, one in profile.channels.items()
-    }

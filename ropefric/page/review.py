@@ -1,13 +1,12 @@
 """A campaign under review: its trials, the decisions beside its list, and their effect on the answer."""
 
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
-from math import ceil, degrees, isclose, isfinite, log10, nan
+from math import ceil, isclose, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from ropefric.errors import DataError, InputError, RopefricError, known_error
 from ropefric.files.disk import read_file, take_back
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.page.work import REPORT_WITH, Step, Work
 from ropefric.pipeline import CampaignAnswer, CampaignRun, answer_campaign
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import judge
@@ -30,13 +30,21 @@ from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.decisions import Decision, add_decisions, content_of, decision_of
-from ropefric.trials.extract import ByRow, Progress, blocks_of, extract_rows, in_list_order, tared_trace
+from ropefric.trials.extract import ByRow, blocks_of, extract_rows, in_list_order, tared_trace
 from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
 
 Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
-
+OWN_WORDS = "review: "
+"""Begin of a reason that the page has written."""
+UNREADABLE = "RF101"
+"""Code of a recording that could not be read, perhaps because its reading process ended."""
+FEW = 20
+"""Largest number of recordings, all of them read before, that are read in this process."""
+STEADY = 1e-5
+"""Part of a recording within which no finger is steady."""
+_NO_TEXT = {"exclude": "an exclusion needs its reason", "comment": "the comment is empty"}
 
 _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 
@@ -49,14 +57,13 @@ def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
     return {**own, "condition": condition, "status": trial.breakaway.status.value, **known}
 
 
-def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
+def facts_of(result: TrialResult) -> dict[str, Any]:
     """Return the results and remarks of a trial, without its samples."""
     found = result.breakaway
     tree = {name: getattr(found, name) for name in ("window_s", "detail", "notes")}
-    tree["numbers"] = numbers.on_page(result)
-    tree |= {"start_s": spec.start_s, "stop_s": spec.stop_s, "mu": result.mu}
     for name in ("phases", "events", "candidates"):
         tree[name] = [asdict(one) for one in getattr(found, name)]
+    tree |= {"numbers": numbers.on_page(result), "mu": result.mu}
     tree["advice"] = "" if found.status is Status.OK else found.advice
     tree["problems"] = [f"{one.code}: {one.message}" for one in result.problems]
     return {**_plain(tree), **pick_of(result)}
@@ -137,23 +144,6 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
     return {"start_s": start_s, "stop_s": stop_s, "begin_s": begin_s, "end_s": end_s} | tree
 
 
-OWN_WORDS = "review: "
-"""Begin of a reason that the page has written."""
-UNREADABLE = "RF101"
-"""Code of a recording that could not be read, perhaps because its reading process ended."""
-FEW = 20
-"""Largest number of recordings, all of them read before, that are read in this process."""
-STEADY = 1e-5
-MOST_UNDONE = 100
-_NO_TEXT = {"exclude": "an exclusion needs its reason", "comment": "the comment is empty"}
-HELD_CURVES = 3
-"""Recordings that are kept to be drawn again."""
-
-
-class _OutdatedError(Exception):
-    """The result being computed belongs to a state that has changed."""
-
-
 Stamps = Mapping[Path, tuple[int, ...]]
 """Time of change and size of each recording; nothing of one that is not there."""
 
@@ -170,21 +160,15 @@ class _State:
     specs: Mapping[str, TrialSpec]
 
     def kept_in(self, campaign: Campaign, stamps: Stamps) -> ByRow:
-        """Return the results that hold in a changed campaign: same rows, same recordings, same settings.
-
-        No result depends on the line of a row and on the user's own columns.
-        """
+        """Return the results that hold in a changed campaign: same rows but for their lines, recordings, settings."""
         if self.campaign.settings_fingerprint() != campaign.settings_fingerprint():
             return {}
         were, kept = {row.trial: row for row in self.campaign.trials}, dict[str, tuple[TrialResult, ...]]()
         for row in campaign.trials:
             was = were.get(row.trial)
-            if was is None or stamps[row.path] != self.stamps.get(row.path):
-                continue
-            if row == was:
+            is_same = was is not None and replace(row, line=was.line) == was
+            if is_same and stamps[row.path] == self.stamps.get(row.path):
                 kept[row.trial] = self.by_row[row.trial]
-            elif replace(row, line=was.line, own=was.own) == was:
-                kept[row.trial] = tuple(replace(one, own=row.own) for one in self.by_row[row.trial])
         return kept
 
     def has_read(self, row: TrialSpec, stamps: Stamps) -> bool:
@@ -194,24 +178,28 @@ class _State:
         return is_same and bool(found) and all(map(_is_readable, found))
 
     @cached_property
+    def trials(self) -> dict[str, TrialResult]:
+        """Return the result of each trial."""
+        return {one.trial: one for one in self.extraction.trials}
+
+    @cached_property
     def rows(self) -> dict[str, dict[str, Any]]:
         """Return the row of each trial in the list."""
-        names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
-        return {trial.trial: row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
+        conditions = self.extraction.conditions
+        words = {name: self.words_of(one) for one in conditions for name in one.trials}
+        return {name: row_of(trial, words[name]) for name, trial in self.trials.items()}
 
-    def _name_of(self, one: results.ConditionSummary) -> str:
+    def words_of(self, condition: results.ConditionSummary) -> str:
         """Return the settings of a condition in words."""
-        slack = self.campaign.protocol.needs_lift_force
-        known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
-        return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
+        return results.settings_of(self.trials[condition.trials[0]])
 
     def condition_of(self, trial: str) -> results.ConditionSummary:
         """Return the condition of a trial."""
         return next(one for one in self.extraction.conditions if trial in one.trials)
 
-    def condition(self, trial: str) -> dict[str, Any]:
-        """Return mean, scatter and number of the repeats of a trial."""
-        return repeats_of(self.condition_of(trial))
+    def facts_of(self, trial: str) -> dict[str, Any]:
+        """Return the row of a trial, and the numbers of its repeats."""
+        return self.rows[trial] | {"repeats": repeats_of(self.condition_of(trial))}
 
 
 class Review:
@@ -240,25 +228,21 @@ class Review:
         by: str,
         law: str = "",
         jobs: int = 1,
-        progress: Progress | None = None,
+        progress: Step | None = None,
         now: Callable[[], datetime] = lambda: datetime.now().astimezone(),
     ) -> None:
         self.campaign_file, self.by, self.law, self._now = campaign, by, law, now
         self._jobs = jobs
         self._deciding = threading.RLock()  # held while a decision is written and measured
         self.lock = threading.RLock()  # held for a moment, so that nobody who only looks has to wait
-        self.n_written = 0
-        self._drawn: dict[tuple[object, ...], tuple[Curves, dict[str, Any]]] = {}
-        self._undo: deque[tuple[str, list[Decision]]] = deque(maxlen=MOST_UNDONE)
-        self._state = self._load(None, self._loaded(), progress)
+        self._drawn: tuple[TrialResult | None, Any] = None, None
+        self._undo: list[tuple[str, list[Decision]]] = []
+        self.n_written = self._number = 0
         self._change: dict[str, Any] | None = None
-        self._number, self._computed = 0, -1
-        self._doing = ""
-        self._thread: threading.Thread | None = None
         self._first: dict[str, Any] | None = None
         self._before: dict[str, Any] | None = None
-        self._answer: dict[str, Any] | None = None
-        self._run: CampaignRun | RopefricError | None = None
+        self._fit = Work()
+        self._state = self._load(None, self._loaded(), progress)
         self._recompute()
 
     @property
@@ -271,11 +255,11 @@ class Review:
     def _loaded(self) -> Campaign:
         return load_campaign(self.campaign_file, missing_recordings="flag")
 
-    def _load(self, before: _State | None, seen: Campaign, progress: Progress | None = None) -> _State:
+    def _load(self, before: _State | None, seen: Campaign, progress: Step | None = None) -> _State:
         """Return the campaign as the files of the one seen state it; only what differs from before is extracted."""
         content, campaign = _contents(seen), self._loaded()
         if _contents(campaign) != content:
-            raise _changed(campaign.trial_list)
+            raise changed_meanwhile(campaign.trial_list)
         stamps = {path: _stamp(path) for path in dict.fromkeys(row.path for row in campaign.trials)}
         kept = {} if before is None else before.kept_in(campaign, stamps)
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
@@ -289,13 +273,13 @@ class Review:
         specs = {result.trial: row for row, result in placed}
         return _State(content, stamps, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
-    def reload(self, progress: Progress | None = None) -> None:
+    def reload(self, progress: Step | None = None) -> None:
         """Read the changed campaign again; earlier decisions can no longer be undone."""
         before = self._state
         state = self._load(before, self._loaded(), progress)
         with self._deciding, self.lock:
             if self._state is not before:
-                raise _changed(state.campaign.trial_list)
+                raise changed_meanwhile(state.campaign.trial_list)
             self._state = state
             self._undo.clear()
             self._change = None
@@ -310,7 +294,7 @@ class Review:
         ----------
         trial : str
             Its name.
-        action : {"pick", "exclude", "include", "comment", "clear"}
+        action : {"pick", "exclude", "comment", "clear"}
             `pick` sets the time of the break-away; `clear` takes back whatever a person decided.
         pick_s : float, optional
             When F_A was reached [s].
@@ -333,8 +317,8 @@ class Review:
         """Exclude all trials of a trial's condition for a reason; or, without one, take such a reason back."""
         with self._deciding:
             reason = "" if text else self._spec(trial).exclude
-            one = self._state.condition_of(trial)
-            alike = {self._spec(name).trial: decision_of(self._spec(name)) for name in one.trials}
+            names = self._state.condition_of(trial).trials
+            alike = {spec.trial: decision_of(spec) for spec in map(self._spec, names)}
             changes = [(was, was._replace(exclude=text)) for was in alike.values() if was.exclude == reason]
             return self._keep(trial, changes)
 
@@ -343,55 +327,30 @@ class Review:
         if action in _NO_TEXT and not text:
             raise InputError(_NO_TEXT[action], code="RF121", fix="say in a few words what was seen")
         if action == "pick":
-            return self._picked(trial, pick_s, text)
+            return self._picked(trial, was, pick_s, text)
         made = {
             "exclude": was._replace(exclude=text),
             "comment": was._replace(why=text),
-            "include": was._replace(exclude=""),
             "clear": Decision(was.trial, file=was.file),
         }
         if action not in made:
             raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
         return made[action]
 
-    def use_law(self, law: str) -> None:
-        """Use a law, "" for the best."""
-        if law:
-            ALL_LAWS[law]
-        with self.lock:
-            self.law = law
-            self._recompute()
-
-    def run(self) -> CampaignRun | None:
-        """Return the run behind the answer to all trials, None while it is computed; raise why there is no answer."""
-        with self.lock:
-            run = self._run if self._computed == self._number else None
-        if isinstance(run, RopefricError):
-            raise run
-        return run
-
-    def settings_of(self, one: results.ConditionSummary) -> dict[str, Any]:
-        """Return a condition in words with its mean, one of its trials, and why all are excluded, "" if not all are."""
-        with self.lock:
-            why = {self._spec(name).exclude for name in one.trials}
-            words = self._state.rows[one.trials[0]]["condition"]
-        off = why.pop() if len(why) == 1 else ""
-        return {"words": words, "trial": one.trials[0], "off": off, **repeats_of(one)}
-
-    def _picked(self, trial: str, pick_s: float | None, text: str) -> Decision:
+    def _picked(self, trial: str, was: Decision, pick_s: float | None, text: str) -> Decision:
         if pick_s is None or not isfinite(pick_s):
             fix = "click where the break-away is, or choose a candidate"
             raise InputError("no time is given for the break-away", code="RF121", key="pick_s", fix=fix)
         self.preview(trial, pick_s)  # which refuses a place without a peak
-        spec, result = self._spec(trial), self._result(trial)
+        result = self._state.trials[trial]
         events, outline = result.breakaway.candidates, result.outline
         near = [i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)]
         said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
-        own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
-        if outline is not None:  # no finger is steadier than this part of the recording
+        own = was.why if not was.why.startswith(OWN_WORDS) else ""
+        if outline is not None:
             span_s = float(outline.time_s[-1] - outline.time_s[0])
             pick_s = round(pick_s, max(0, ceil(-log10(max(STEADY * span_s, 1e-12)))))
-        return Decision(spec.trial, pick_s=pick_s, why=text or own or OWN_WORDS + said, file=spec.file)
+        return Decision(was.trial, pick_s=pick_s, why=text or own or OWN_WORDS + said, file=was.file)
 
     def undo(self) -> dict[str, Any]:
         """Write the state before the last decision again, and return the changes."""
@@ -421,7 +380,7 @@ class Review:
         if self._number < 0:
             raise DataError("the review has ended, so nothing was written", path=path, fix="start it again")
         if _contents(state.campaign) != state.content:
-            raise _changed(state.campaign.trial_list)
+            raise changed_meanwhile(state.campaign.trial_list)
         before = state.content[-1]
         added = add_decisions(path, decisions, before)
         try:
@@ -439,64 +398,55 @@ class Review:
             if before.keys() != now.keys():  # what was one trial has become several
                 self._change = None
                 return self.overview()
-            was = before[trial] | {"condition_was": state.condition(trial)}
-            is_now = now[trial] | {"condition_is": self._state.condition(trial)}
-            self._change = {"trial": trial, "was": was, "is": is_now}
+            self._change = {"trial": trial, "was": state.facts_of(trial), "is": self._state.facts_of(trial)}
             rows = {name: row for name, row in now.items() if row != before.get(name)}
             return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
 
     # --- the answer, computed behind the scenes ---
 
+    def use_law(self, law: str) -> dict[str, str]:
+        """Use a law, "" for the best."""
+        if law:
+            ALL_LAWS[law]
+        with self.lock:
+            self.law = law
+            self._recompute()
+        return {"law": law}
+
     def _recompute(self) -> None:
-        """Compute the answer to all trials again, in a thread of its own."""
-        if self._computed == self._number:
-            self._before = self._answer
+        """Compute the answer to all trials again."""
+        if (said := self._said()) is not None:
+            self._before, self._first = said, self._first or said
         self._number += 1
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._compute, name="fit", daemon=True)
-            self._thread.start()
+        self._fit.begin("fit", partial(_fitted, self._state, self.law), instead=True)
 
-    def _compute(self) -> None:
-        while True:
-            with self.lock:
-                number, state = self._number, self._state
-                if number in (self._computed, -1):
-                    self._thread = None
-                    return
+    def _said(self) -> dict[str, Any] | None:
+        """Return the numbers of the answer, or why there is none; None while it is computed."""
+        run = self._fit.state().get("result")
+        if isinstance(run, RopefricError):
+            return run.to_dict()
+        return None if run is None else _said_of(run.answer)
 
-            def stop_if_outdated(law: str, done: int, total: int, number: int = number) -> None:
-                self._doing = f"{law}, {done} of {total} laws"
-                if number != self._number:
-                    raise _OutdatedError
-
-            run: CampaignRun | RopefricError
-            try:
-                run = _answered(state, self.law, stop_if_outdated)
-                said = _said_of(run.answer)
-            except _OutdatedError:
-                continue
-            except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
-                run = known_error(error, report_with="what you did on the page")
-                said = {"error": run.problem.to_dict()}
-            with self.lock:
-                if number == self._number:
-                    self._answer, self._run, self._computed = said, run, number
-                    self._first = self._first or said
+    def run(self) -> CampaignRun | None:
+        """Return the run behind the answer to all trials, None while it is computed; raise why there is no answer."""
+        run: CampaignRun | RopefricError | None = self._fit.state().get("result")
+        if isinstance(run, RopefricError):
+            raise run
+        return run
 
     def close(self) -> None:
         """Wait for a decision that is being written, and a moment for the fit of a law; nothing is written later."""
         with self._deciding, self.lock:
-            self._number, thread = -1, self._thread
-        if thread is not None:
-            thread.join(2.0)
+            self._number = -1
+        self._fit.close()
 
     def answer(self) -> dict[str, Any]:
         """Return the last decision, and the answer to all trials before and after it, as far as it is computed."""
         with self.lock:
-            ready = self._computed == self._number
-            tree = {"number": self._number, "change": self._change}
-            tree |= {"first": self._first, "before": self._before, "now": self._answer if ready else None}
-            return tree | {"computing": "" if ready else self._doing or "fit"}
+            now, fit = self._said(), self._fit.state()
+            laws = f"{fit['item']}, {fit['done']} of {fit['total']} laws" if fit["total"] else "fit"
+            tree = {"number": self._number, "change": self._change, "computing": "" if now else laws}
+            return tree | {"first": self._first or now, "before": self._before, "now": now}
 
     # --- what the page shows ---
 
@@ -512,65 +462,68 @@ class Review:
     def _counts(self) -> dict[str, Any]:
         return results.count_trials(self._state.extraction)
 
+    def conditions_of(self, run: CampaignRun) -> list[dict[str, Any]]:
+        """Return the conditions in words with their means, and why all trials of one are excluded, "" if not all are."""
+        with self.lock:
+            tree = []
+            for one in run.extraction.conditions:
+                why = {self._spec(name).exclude for name in one.trials}
+                off = why.pop() if len(why) == 1 else ""
+                words = {"words": self._state.words_of(one), "trial": one.trials[0], "off": off}
+                tree.append(words | repeats_of(one))
+            return tree
+
     def _spec(self, trial: str) -> TrialSpec:
         if trial not in self._state.specs:
             raise InputError(f"there is no trial {trial!r}", code="RF120", key="trial", fix="reload the page")
         return self._state.specs[trial]
 
-    def _result(self, trial: str) -> results.TrialResult:
-        self._spec(trial)
-        return next(one for one in self._state.extraction.trials if one.trial == trial)
+    def _seen(self, trial: str) -> tuple[_State, TrialSpec, TrialResult]:
+        """Return the present state, and the row and the result of a trial in it."""
+        with self.lock:
+            return self._state, self._spec(trial), self._state.trials[trial]
 
     def trial(self, trial: str) -> dict[str, Any]:
-        """Return the results and remarks of a trial, its condition included, without its samples."""
-        with self.lock:
-            spec, result = self._spec(trial), self._result(trial)
-            condition = self._state.condition(trial)
-        return facts_of(spec, result) | {"trial": trial, "condition": condition}
+        """Return the results and remarks of a trial, without its samples."""
+        return facts_of(self._seen(trial)[2]) | {"trial": trial}
 
     def preview(self, trial: str, pick_s: float) -> dict[str, Any]:
         """Return the force that a trial would have with its break-away at a time; nothing is written."""
-        with self.lock:
-            campaign, spec, was = self._state.campaign, self._spec(trial), self._result(trial)
-        self._refuse_unread(was)
+        state, spec, was = self._seen(trial)
+        _refuse_unread(was)
         decided = replace(spec, pick_s=pick_s, peak_N=None, peak_std_N=None, exclude="", why="-", by="-")
-        one = campaign.model_copy(update={"trials": (decided,), "warnings": ()})
-        by_row = extract_rows(one, trusted=True)
-        result = by_row[spec.trial][0]
-        self._refuse_unread(result)
+        one = state.campaign.model_copy(update={"trials": (decided,), "warnings": ()})
+        result = extract_rows(one, trusted=True)[spec.trial][0]
+        _refuse_unread(result)
         if result.breakaway.status is not Status.OK:
             raise DataError(result.breakaway.detail, code="RF244", key="pick_s", fix="choose another place")
         return pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
         """Return a stretch of a recording as it is drawn; NaN means the begin or the end of the recording."""
-        with self.lock:
-            campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
-        self._refuse_unread(result)
-        part = (spec.start_s, spec.stop_s, result.breakaway.window_s)
-        key = (trial, result.sha256, campaign.settings_fingerprint(), *part)
-        drawn = self._drawn.get(key) or drawn_of(campaign, spec, result)
-        with self.lock:
-            self._drawn = dict([*self._drawn.items(), (key, drawn)][-HELD_CURVES:])
+        state, spec, result = self._seen(trial)
+        _refuse_unread(result)
+        held, drawn = self._drawn
+        if held is not result:
+            drawn = drawn_of(state.campaign, spec, result)
+            self._drawn = result, drawn
         curves, likely = drawn
         return decimated(curves, start_s, stop_s, columns) | likely
 
-    def look_once(self) -> None:
-        """Look at one recording, so that the libraries for it are loaded before a person waits for them."""
-        for trial, result in zip(self._state.specs, self._state.extraction.trials[:1], strict=False):
-            with suppress(RopefricError):
-                self.trial(trial)
-                self.curve(trial, nan, nan, 100)
-                self.preview(trial, result.breakaway.peak_time_s)
 
-    def _refuse_unread(self, result: results.TrialResult) -> None:
-        if not _is_readable(result):
-            fix = "".join(problem.fix for problem in result.problems[-1:])
-            raise DataError(result.breakaway.detail, path=result.file, fix=fix)
+def _fitted(state: _State, law: str, step: Step) -> CampaignRun | RopefricError:
+    """Return the answer to all trials, as `ropefric run` finds it; or why there is none."""
+
+    def progress(law: str, done: int, total: int) -> None:
+        step(done, total, law)
+
+    try:
+        return _answered(state, law, progress)
+    except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
+        return known_error(error, report_with=REPORT_WITH)
 
 
 def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]) -> CampaignRun:
-    """Return the answer to all trials, as `ropefric run` finds it."""
     campaign, extraction = state.campaign, state.extraction
     if (without := results.no_force(extraction, campaign.path)) is not None:
         raise without
@@ -591,6 +544,12 @@ def _is_readable(result: TrialResult) -> bool:
     return all(problem.code != UNREADABLE for problem in result.problems)
 
 
+def _refuse_unread(result: TrialResult) -> None:
+    if not _is_readable(result):
+        fix = "".join(problem.fix for problem in result.problems[-1:])
+        raise DataError(result.breakaway.detail, path=result.file, fix=fix)
+
+
 def _stamp(path: Path) -> tuple[int, ...]:
     with suppress(OSError):
         found = path.stat()
@@ -603,8 +562,9 @@ def _contents(campaign: Campaign) -> tuple[bytes, ...]:
     return read_file(campaign.path), read_file(campaign.trial_list), content_of(campaign.decisions)
 
 
-def _changed(path: Path) -> DataError:
+def changed_meanwhile(path: Path) -> DataError:
+    """Return the refusal to write over what was changed since it was read."""
     why = (
         "somebody else has changed the campaign, its list or its decisions meanwhile, so nothing was written"
     )
-    return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")
+    return DataError(why, code="RF153", path=path, fix="read it again, then change or decide anew")

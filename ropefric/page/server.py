@@ -3,7 +3,8 @@
 import json
 import secrets
 import socketserver
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from hmac import compare_digest
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -13,13 +14,13 @@ from urllib.parse import parse_qs, urlsplit
 
 from ropefric.errors import InputError, InternalError, RopefricError, known_error
 from ropefric.files.plain_text import visible
-from ropefric.page.desk import MOST_OF_A_FILE, REPORT_WITH, Desk
+from ropefric.page.desk import MOST_OF_A_FILE, Desk
+from ropefric.page.work import REPORT_WITH
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "X-Ropefric-Token"  # noqa: S105  (its name)
 MOST_BYTES = 65536
 """Largest request with settings or a decision."""
-_BLOCK = 2**20
 
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -90,10 +91,6 @@ class _Sent(NamedTuple):
 class _Refused(Exception):  # noqa: N818  (an answer, not an error)
     """A refusal: its status and its reason."""
 
-    def __init__(self, status: int, why: str) -> None:
-        super().__init__(why)
-        self.status = status
-
 
 class _Handler(BaseHTTPRequestHandler):
     server: PageServer
@@ -112,18 +109,13 @@ class _Handler(BaseHTTPRequestHandler):
         self._answer(self._post)
 
     def _answer(self, make: Callable[[str, Mapping[str, str]], Any]) -> None:
-        asked, status = urlsplit(self.path), 200
+        asked = urlsplit(self.path)
         query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
         try:
             self._refuse_others(asked.path, query)
-            tree = make(asked.path, query)
-        except _Refused as refused:
-            status, tree = refused.status, {"error": {"code": "RF110", "message": str(refused)}}
+            status, tree = 200, make(asked.path, query)
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words, never a traceback)
             status, tree = _answer_to(error)
-        self._send(status, tree)
-
-    def _send(self, status: int, tree: Any) -> None:
         sent = tree if isinstance(tree, _Sent) else _Sent(json.dumps(tree).encode(), "json")
         headers = _HEADERS | {"Content-Type": _KINDS[sent.ending], "Content-Length": str(len(sent.body))}
         headers |= {"Content-Security-Policy": sent.policy}
@@ -140,73 +132,67 @@ class _Handler(BaseHTTPRequestHandler):
 
         The page itself needs no token, because it contains no data; it lets the user enter a missing token.
         """
-        names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
-        host = self.headers.get("Host", "")
-        if host not in names:
+        host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
+        if host not in {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}:
             raise _Refused(403, "the request names another address than this page has")
         given = self.headers.get(TOKEN_HEADER, query.get("token", ""))
         is_known = compare_digest(given.encode(), self.server.token.encode())
-        if path.startswith(("/api/", "/results/")) and not is_known:
+        if path not in _page() and not is_known:
             why = "the token is missing or wrong; it is the end of the address that ropefric printed"
             raise _Refused(403, why)
-        origin = self.headers.get("Origin")
         if origin != f"http://{host}" and (origin is not None or self.command != "GET"):
             raise _Refused(403, "only the page itself may send this request")
 
     def _get(self, path: str, query: Mapping[str, str]) -> Any:
-        if path == "/":
-            return _Sent(_page()["page.html"], "html", _POLICY)
+        if path in _page():
+            return _page()[path]
         place, _, name = path.removeprefix("/").partition("/")
-        if place == "static" and name in _page():
-            return _Sent(_page()[name], name.rpartition(".")[2])
         if place == "results":
             # Browsers show no PDF where nothing may run.
             policy = _NOTHING if name.endswith(".pdf") else _REPORT
             return _Sent(self.server.desk.result(name), name.rpartition(".")[2], policy)
-        if place == "api" and (read := self.server.desk.reads.get(name)) is not None:
-            return read(query)
+        if place == "api" and name in self.server.desk.reads:
+            return self.server.desk.reads[name](query)
         raise _Refused(404, "there is no such page")
 
     def _post(self, path: str, query: Mapping[str, str]) -> Any:
-        place, _, name = path.removeprefix("/").partition("/")
-        is_file, write = name == "upload", self.server.desk.writes.get(name)
-        if place != "api" or not (is_file or write):
-            raise _Refused(404, "there is no such page")
-        kind, most = ("octet-stream", MOST_OF_A_FILE) if is_file else ("json", MOST_BYTES)
-        if self.headers.get_content_type() != f"application/{kind}":
-            raise _Refused(415, f"this is not application/{kind}")
-        size = int(self.headers["Content-Length"])
+        name, desk = path.removeprefix("/api/"), self.server.desk
+        if name == "upload":
+            return desk.upload(query["name"], self._content("application/octet-stream", MOST_OF_A_FILE))
+        if name in desk.writes:
+            return desk.writes[name](dict(json.loads(self._content("application/json", MOST_BYTES))))
+        raise _Refused(404, "there is no such page")
+
+    def _content(self, kind: str, most: int) -> bytes:
+        """Return what a request sends."""
+        if self.headers.get_content_type() != kind:
+            raise _Refused(415, f"this is not {kind}")
+        size, content = int(self.headers["Content-Length"]), b""
         if not 0 <= size <= most:
             why = f"more than {most} bytes are not accepted here; name the folder of the recordings"
             raise _Refused(413, why)
-        content = self._content(size)
-        if write is not None:
-            return write(dict(json.loads(b"".join(content))))
-        try:
-            return self.server.desk.upload(query["name"], content, size)
-        finally:
-            for _ in content:  # a browser reads no answer before it has sent all
-                pass
-
-    def _content(self, size: int) -> Iterator[bytes]:
-        """Yield what a request sends, in blocks."""
-        try:
-            while size > 0 and (block := self.rfile.read(min(size, _BLOCK))):
-                size -= len(block)
-                yield block
-        except TimeoutError:
-            raise _Refused(408, "the request broke off") from None
+        with suppress(TimeoutError):
+            content = self.rfile.read(size)
+        if len(content) < size:
+            raise _Refused(408, "the request broke off")
+        return content
 
 
 @cache
-def _page() -> dict[str, bytes]:
-    return {one.name: one.read_bytes() for one in (files("ropefric.page") / "static").iterdir()}
+def _page() -> dict[str, _Sent]:
+    """Return the files of the page by their addresses; they contain no data."""
+    static = (files("ropefric.page") / "static").iterdir()
+    found = {f"/static/{one.name}": _Sent(one.read_bytes(), one.name.rpartition(".")[2]) for one in static}
+    return found | {"/": found["/static/page.html"]._replace(policy=_POLICY)}
 
 
 def _answer_to(error: Exception) -> tuple[int, dict[str, Any]]:
     """Return the status of an answer, and its error in words."""
     if isinstance(error, _NOT_UNDERSTOOD) and not isinstance(error, RopefricError):
-        return 400, {"error": {"code": "RF110", "message": "the request cannot be understood"}}
+        error = _Refused(400, "the request cannot be understood")
+    if isinstance(error, _Refused):
+        status, why = error.args
+        return status, {"error": {"code": "RF110", "message": why}}
     known = known_error(error, report_with=REPORT_WITH)
     said = visible("; ".join(dict.fromkeys(problem.message for problem in known.problems)))
     status = 500 if isinstance(known, InternalError) else 409

@@ -3,10 +3,12 @@
 import shutil
 import threading
 import time
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from browser import driven
 
 from ropefric.errors import DataError
 from ropefric.page import review as session
@@ -46,10 +48,21 @@ def not_fitted(*_):
     raise DataError("not fitted")
 
 
+@pytest.fixture(scope="session")
+def picked(extracted):
+    """What a review has picked of the campaign; a review that begins with it picks only what differs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session, "_answered", not_fitted)
+        review = Review(extracted / "campaign.toml", by="A. Meier")
+    review.close()
+    return review._state
+
+
 @pytest.fixture
-def begin(campaign, monkeypatch):
+def begin(campaign, picked, monkeypatch):
     """Begin a review of the campaign, which ends with the test; laws are fitted only where that is asked for."""
-    begun = []
+    begun, load = [], Review._load
+    monkeypatch.setattr(Review, "_load", lambda self, before, *given: load(self, before or picked, *given))
 
     def begin(*, fits=False):
         if not fits:
@@ -77,6 +90,35 @@ def undecided(monkeypatch):
     return asked
 
 
+@contextmanager
+def serving(desk):
+    """Serve the page of a desk, and end both."""
+    with PageServer(desk) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.shutdown()
+            thread.join()
+            desk.close()
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """The one browser of all tests of this folder."""
+    yield from driven()
+
+
+@pytest.fixture
+def serve(chromium):
+    """A function that serves a desk and returns the address of its page; what the browser complains of is a failure."""
+    with ExitStack() as stack:
+        yield lambda desk: stack.enter_context(serving(desk)).address
+        assert [one for one in chromium.get_log("browser") if "409" not in one["message"]] == []
+        chromium.get("about:blank")
+
+
 @pytest.fixture(scope="module")
 def served(extracted, tmp_path_factory):
     """A review without fits and the server of its page; tests leave its list as it was."""
@@ -85,14 +127,10 @@ def served(extracted, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(session, "_answered", not_fitted)
         review = Review(folder / "campaign.toml", by="A. Meier")
-        desk = Desk(folder / "campaign.toml", by="A. Meier", review=review)
-        with PageServer(desk) as server:
-            thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
-            thread.start()
+        desk = Desk(folder / "campaign.toml", by="A. Meier")
+        desk.review = review
+        with serving(desk) as server:
             yield server
-            server.shutdown()
-            thread.join()
-        desk.close()
 
 
 @pytest.fixture(scope="session")

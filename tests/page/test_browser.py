@@ -3,17 +3,16 @@
 import csv
 import io
 import shutil
-import threading
 from dataclasses import fields, replace
+from itertools import product
 from pathlib import Path
 
 import pytest
-from browser import complaints, driven, shown_as
+from browser import complaints, shown_as
 
 from ropefric.cli.app import main
 from ropefric.page import review as session
 from ropefric.page.desk import Desk
-from ropefric.page.server import PageServer
 from ropefric.trials.campaign_model import TrialRow
 
 webdriver = pytest.importorskip("selenium.webdriver")
@@ -25,33 +24,19 @@ pytestmark = pytest.mark.slow
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 
-@pytest.fixture(scope="session")
-def chromium():
-    yield from driven()
-
-
 @pytest.fixture
-def page(chromium, begin, campaign):
-    """The page of a new review, as a function that opens it; what it complained of fails the test."""
-    servers = []
+def page(chromium, begin, campaign, serve):
+    """The page of a new review, as a function that opens it."""
 
     def page(*, fits=False):
         page.review = begin(fits=fits)
-        server = PageServer(Desk(campaign / "campaign.toml", by="A. Meier", review=page.review))
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
-        thread.start()
-        servers.append((server, thread))
-        chromium.get(server.address)
+        desk = Desk(campaign / "campaign.toml", by="A. Meier")
+        desk.review = page.review
+        chromium.get(serve(desk))
         wait(chromium, lambda: inside(chromium, "return S.curve !== null && S.info !== null"))
         return chromium
 
-    yield page
-    assert [one for one in chromium.get_log("browser") if "409" not in one["message"]] == []
-    chromium.get("about:blank")
-    for server, thread in servers:
-        server.shutdown()
-        thread.join()
-        server.server_close()
+    return page
 
 
 def inside(driver, script):
@@ -347,17 +332,16 @@ def test_a_list_changed_by_somebody_else_is_told_and_read_again(page, campaign):
     assert "2.19833" in (campaign / "decisions.csv").read_text()
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_is_cut_off_and_everything_can_be_read(page, width, scheme):
+def test_nothing_is_cut_off_and_everything_can_be_read(page):
     driver = page()
-    with shown_as(driver, width, scheme):
-        assert complaints(driver, width) == []
-        # By keys alone: to the list, down, and the trial changes.
-        driver.execute_script("document.getElementById('list').focus()")
-        was = text(driver, "trial")
-        press(driver, Keys.ARROW_DOWN)
-        wait(driver, lambda: text(driver, "trial") != was)
+    for width, scheme in product((1280, 390), ("light", "dark")):
+        with shown_as(driver, width, scheme):
+            assert complaints(driver, width) == []
+            # By keys alone: to the list, down, and the trial changes.
+            driver.execute_script("document.getElementById('list').focus()")
+            was = text(driver, "trial")
+            press(driver, Keys.ARROW_DOWN)
+            wait(driver, lambda was=was: text(driver, "trial") != was)
 
 
 # Height of the bar in the middle of each place, its width at the foot, and pixels of a second.

@@ -31,12 +31,15 @@ def accept(review, trial):
 def test_an_accepted_candidate_counts_and_everything_else_stays(begin, campaign):
     review, path = begin(), campaign / "trials.csv"
     before = path.read_bytes()
+    for name, row in review.overview()["rows"].items():
+        probability = review._state.trials[name].breakaway.probability
+        assert row["probability"] == (probability if np.isfinite(probability) else None)
     changed = accept(review, "c28-r03")
     was, now = (changed["change"][key] for key in ("was", "is"))
     assert (was["outcome"], was["force_N"], now["outcome"]) == ("without a force", None, "kept")
     assert now["force_N"] == pytest.approx(79.12, abs=0.01)
-    assert now["condition_is"]["n_kept"] == was["condition_was"]["n_kept"] + 1
-    assert now["condition_is"]["mean_N"] != was["condition_was"]["mean_N"]
+    assert now["repeats"]["n_kept"] == was["repeats"]["n_kept"] + 1
+    assert now["repeats"]["mean_N"] != was["repeats"]["mean_N"]
     assert set(changed["rows"]) == {"c28-r03"}
     assert path.read_bytes() == before
     head, row = (campaign / "decisions.csv").read_text().splitlines()
@@ -92,13 +95,18 @@ def test_a_moved_pick_is_where_the_person_put_it(begin, campaign):
 
 def test_where_somebody_else_changed_list_or_decisions_nothing_is_written(begin, campaign):
     review, path, made = begin(), campaign / "trials.csv", campaign / "decisions.csv"
+    toml = campaign / "campaign.toml"
     theirs = path.read_bytes().replace(b"# taken in spring", b"# taken in autumn")
     path.write_bytes(theirs)
-    with pytest.raises(DataError, match="somebody else") as refused:
-        review.decide("c35-r01", "exclude", text="torn")
-    assert (refused.value.code, path.read_bytes(), made.exists()) == ("RF153", theirs, False)
-    assert review.overview()["rows"]["c35-r01"]["excluded"] == ""
+    for _ in range(2):
+        with pytest.raises(DataError, match="somebody else") as refused:
+            review.decide("c35-r01", "exclude", text="torn")
+        assert (refused.value.code, path.read_bytes(), made.exists()) == ("RF153", theirs, False)
+        assert review.overview()["rows"]["c35-r01"]["excluded"] == ""
+        review.reload()
+        toml.write_text(toml.read_text().replace('diameter = "9.8 mm"', 'diameter = "10.8 mm"'))
     review.reload()
+    assert review.campaign.rope.radius_m == pytest.approx(5.4e-3)
     review.decide("c35-r01", "exclude", text="torn")
     other = begin()
     other.decide("c35-r03", "exclude", text="loud")
@@ -156,17 +164,6 @@ def test_recordings_that_changed_on_the_disk_are_read_again(begin, campaign, mon
     shutil.copy(paths[2], paths[0])
     review.reload()
     assert review.overview()["rows"]["c35-r01"]["force_N"] == rows["c35-r04"]["force_N"]
-
-
-def test_where_the_campaign_was_edited_nothing_is_written_before_it_is_read_again(begin, campaign):
-    review, toml = begin(), campaign / "campaign.toml"
-    toml.write_text(toml.read_text().replace('diameter = "9.8 mm"', 'diameter = "10.8 mm"'))
-    with pytest.raises(DataError, match="somebody else") as refused:
-        review.decide("c35-r01", "exclude", text="torn")
-    assert (refused.value.code, (campaign / "decisions.csv").exists()) == ("RF153", False)
-    review.reload()
-    assert review.campaign.rope.radius_m == pytest.approx(5.4e-3)
-    assert review.decide("c35-r01", "exclude", text="torn")["rows"]["c35-r01"]["excluded"] == "torn"
 
 
 @pytest.mark.parametrize("what", ["disk", "campaign"])
@@ -267,13 +264,6 @@ def test_without_probabilities_there_is_nothing_to_show(begin, campaign, undecid
     toml.write_text(toml.read_text().replace('name = "breakaway"', f'name = "breakaway"\n{protocol}'))
     curve = begin().curve("c35-r01", np.nan, np.nan, 300)
     assert (curve["places"], curve["reasons"], undecided) == ([], [], [])
-
-
-def test_the_list_says_how_sure_each_pick_is(begin):
-    review = begin()
-    for name, row in review.overview()["rows"].items():
-        probability = review._result(name).breakaway.probability
-        assert row["probability"] == (probability if np.isfinite(probability) else None)
 
 
 @settings(max_examples=20)

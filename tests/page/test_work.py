@@ -6,7 +6,7 @@ import time
 import pytest
 
 from ropefric.errors import DataError, InputError
-from ropefric.page.desk import Work
+from ropefric.page.work import Work
 
 
 def ended(work):
@@ -18,8 +18,8 @@ def ended(work):
 def test_it_tells_how_far_it_is_and_what_came_of_it():
     work, go = Work(), threading.Event()
 
-    def do(work):
-        work.step(1, 3, "first")
+    def do(step):
+        step(1, 3, "first")
         go.wait(20)
         return {"done": True}
 
@@ -37,9 +37,9 @@ def test_it_tells_how_far_it_is_and_what_came_of_it():
 def test_it_is_stopped_at_its_next_step_and_another_may_begin():
     work, steps = Work(), []
 
-    def endless(work):
+    def endless(step):
         while True:
-            work.step(len(steps), 0, "again")
+            step(len(steps), 0, "again")
             steps.append(1)
             time.sleep(0.001)
 
@@ -48,6 +48,10 @@ def test_it_is_stopped_at_its_next_step_and_another_may_begin():
     assert "endless was stopped" in ended(work)["error"]["message"]
     work.begin("other", lambda _: 7)
     assert ended(work)["result"] == 7
+    # Or another takes its place at once, and what becomes of the first is lost.
+    work.begin("endless", endless)
+    work.begin("third", lambda _: 8, instead=True)
+    assert (ended(work)["name"], work.state()["result"]) == ("third", 8)
 
 
 def test_what_goes_wrong_is_told_in_words():
@@ -57,11 +61,7 @@ def test_what_goes_wrong_is_told_in_words():
         raise DataError("no file matches", code="RF101", fix="name another folder")
 
     work.begin("looking", refuse)
-    error = ended(work)["error"]
-    assert (error["code"], error["message"], error["fix"]) == (
-        "RF101",
-        "no file matches",
-        "name another folder",
-    )
+    found = {"code": "RF101", "message": "no file matches", "where": "", "fix": "name another folder"}
+    assert ended(work)["error"] == found
     work.begin("looking", lambda _: 1 / 0)
     assert ended(work)["error"]["code"] == "RF000"

@@ -19,7 +19,7 @@ def test_a_number_that_is_added_to_the_declaration_is_everywhere(lab, monkeypatc
         words="half the force", brief="mean half", symbol="F_h", drawn="halved",
         on_page=OnPage(9, "half", "kN"))  # fmt: skip
     monkeypatch.setattr(numbers, "COLUMNS", (*COLUMNS, half))
-    campaign = lab.pulls(a=100.0, b=102.0).load()
+    lab.pulls(a=100.0, b=102.0)
     extraction = lab.extract()
     halves_N = [trial.peak_N / 2 for trial in extraction.trials]
     told = extraction.to_dict()
@@ -33,7 +33,7 @@ def test_a_number_that_is_added_to_the_declaration_is_everywhere(lab, monkeypatc
             assert float(next(csv.DictReader(stream))[name]) == pytest.approx(value, rel=1e-8)
     (fold,) = report._sliding_section(extraction)
     assert "half the force [N]" in fold.section.headings
-    assert facts_of(campaign.trials[0], extraction.trials[0])["numbers"][-1] == [
+    assert facts_of(extraction.trials[0])["numbers"][-1] == [
         *("half", pytest.approx(halves_N[0] / 1e3, rel=1e-5), None, "kN", 4)
     ]
     assert f"halved at {halves_N[0]:.4g} N" in draw_recording(extraction.trials[0]).alt

@@ -20,11 +20,9 @@ from ropefric.errors import DataError, InputError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import pipeline, section
+    from ropefric import section
     from ropefric.page import desk as desks
-    from ropefric.page import review as reviews
     from ropefric.page import server
-    from ropefric.trials import campaign as campaigns
 
 if TYPE_CHECKING:
     from ropefric.page.desk import Desk
@@ -52,12 +50,7 @@ def app(
     over others without asking), decisions.csv, and a folder of results. The page is served on this machine
     alone, to whoever has the address that is printed. Ctrl-C ends it.
     """
-    if not place.exists():
-        raise DataError(
-            "there is no such folder", path=place, fix="name a folder of recordings, or a campaign"
-        )
-    n_jobs = options.parse_jobs(jobs, options.SERIAL_BELOW)
-    desk = desks.Desk(place, by=by.strip() or _login_name(), jobs=n_jobs)
+    desk = _desk(place, by, jobs)
     _serve(out, desk, port, "Ctrl-C ends the page", open_page=open_page)
     n_decisions = 0 if desk.review is None else desk.review.n_written
     data = {"campaign": desk.campaign, "out": desk.out, "n_decisions": n_decisions}
@@ -69,7 +62,9 @@ def app(
 def review(
     out: Output,
     folder: Path = Argument(
-        ..., metavar="OUT_DIR|CAMPAIGN.toml", help="A folder that `run` or `extract` wrote; or a campaign."
+        ...,
+        metavar="OUT_DIR|CAMPAIGN.toml",
+        help="A folder that `run` or `extract` wrote; or a campaign.",
     ),
     *,
     campaign: Path | None = option(
@@ -87,43 +82,30 @@ def review(
     in the condition, the law and the lift force is shown. The folder of results is brought up to date by the page's last
     step, by `ropefric report OUT_DIR`, or by `extract`.
     """
-    path, law = _campaign_of(folder, campaign)
-    n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
+    named = options.campaign_file(campaign or folder)
+    desk = _desk(folder, by, jobs, campaign=None if campaign is None else named)
+    if desk.campaign is None:
+        why = "the folder does not say which campaign it is of: only `run` writes that down"
+        raise DataError(why, path=folder, fix="name the campaign: --campaign CAMPAIGN.toml")
     with Progress(out, "extract") as progress:
-        how: dict[str, Any] = {"law": law, "jobs": n_jobs}
-        by = by.strip() or _login_name()
-        reviewed = reviews.Review(path, by=by, progress=progress.update, **how)
-    results = folder if folder.is_dir() else None
-    desk = desks.Desk(path, by=by, out=results, review=reviewed, jobs=n_jobs)
-    said = f"decisions go into {reviewed.campaign.decisions}; Ctrl-C ends the review"
-    _serve(out, desk, port, said, open_page=open_page)
-    written = counted(reviewed.n_written, "decision")
+        desk.open(progress.update)
+    reviewed = desk.opened
+    decisions = reviewed.campaign.decisions
+    _serve(out, desk, port, f"decisions go into {decisions}; Ctrl-C ends the review", open_page=open_page)
     more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
-    data = {
-        "trial_list": reviewed.campaign.trial_list,
-        "decisions": reviewed.campaign.decisions,
-        "by": reviewed.by,
-    }
+    data = {"trial_list": reviewed.campaign.trial_list, "decisions": decisions, "by": reviewed.by}
     data |= {"n_decisions": reviewed.n_written}
-    said = f"{written} written to {reviewed.campaign.decisions}{more}"
+    said = f"{counted(reviewed.n_written, 'decision')} written to {decisions}{more}"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
 
 
-def _campaign_of(folder: Path, campaign: Path | None) -> tuple[Path, str]:
-    """Return the campaign that is named, or that a folder of results was made from, and the law asked for there."""
-    if folder.is_file() and campaign is None:
-        return options.campaign_file(folder), ""
-    if not folder.is_dir():
-        raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
-    if campaign is not None:
-        return options.campaign_file(campaign), ""
-    if (folder / pipeline.MANIFEST).is_file():
-        path, law = pipeline.recorded_run(folder)
-        return options.campaign_file(path), law
-    why, fix = "the folder does not say which campaign it is of: only `run` writes that down", ""
-    if (folder / "campaign.toml").is_file():
-        why, fix = "this is the folder of a campaign, which has no results", "name campaign.toml itself, or "
-    raise DataError(why, path=folder, fix=f"{fix}name the campaign: --campaign CAMPAIGN.toml")
+def _desk(place: Path, by: str, jobs: str, campaign: Path | None = None) -> "Desk":
+    """Return the desk at a folder or a campaign."""
+    if not place.exists():
+        fix = "name a folder of recordings or of results, or a campaign"
+        raise DataError("there is no such folder", path=place, fix=fix)
+    n_jobs = options.parse_jobs(jobs, options.SERIAL_BELOW)
+    return desks.Desk(place, by=by.strip() or _login_name(), campaign=campaign, jobs=n_jobs)
 
 
 def _serve(out: Output, desk: "Desk", port: int, said: str, *, open_page: bool) -> None:

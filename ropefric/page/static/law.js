@@ -3,7 +3,7 @@ import { $, call, calm, fail, fill, listed, make, plain, readAgain, shown, step,
 import { chart } from "./canvas.js";
 
 export const L = { told: null };
-const COLORS = 6;
+const COLORS = 6, SUPPORTED = { yes: "supported", no: "not supported", "cannot-tell": "undetermined" };
 
 async function load() {
   const told = await call("law");
@@ -35,11 +35,11 @@ function show() {
     button.title = one.law === told.asked ? "leave the choice to the comparison" : "use this law";
     cell.append(button);
     const error = one.loco_error === null ? "–" : `${plain(100 * one.loco_error, 3)} %`;
-    const made = tableRow([cell, one.verdict === "–" ? one.status : one.verdict, plain(one.delta_aicc, 3), plain(one.weight, 2), String(one.k), error, one.note]);
+    const made = tableRow([cell, told.verdicts[one.law] ?? one.status, plain(one.delta_aicc, 3), plain(one.weight, 2), String(one.k), error, one.note]);
     if (one.law === told.law) made.className = "used";
     return made;
   }));
-  fill($("l-parameters"), ["", "value", "95 % interval"], Object.entries(told.parameters).map(([name, one]) =>
+  fill($("l-parameters"), ["", "value", "95 % interval"], Object.entries(told.fit.parameters).map(([name, one]) =>
     [name, withStd(one.value, one.std, one.unit ?? ""), `[${plain(one.ci95?.[0])}, ${plain(one.ci95?.[1])}]`]));
   fill($("l-conditions"), ["condition", "kept", "mean", "s", ""], told.conditions.map((one) => {
     const button = make("button", one.off ? "Switch on" : "Switch off…"), cell = make("td");
@@ -50,11 +50,11 @@ function show() {
     if (one.off) made.className = "off";
     return made;
   }));
-  $("l-summary").textContent = told.summary;
-  $("l-causes").replaceChildren(...told.causes.flatMap((one) =>
-    [make("dt", `${one.cause}: ${one.supported}`), make("dd", `${one.evidence}. To decide: ${one.experiment}.`)]));
+  $("l-summary").textContent = told.diagnosis.summary;
+  $("l-causes").replaceChildren(...told.diagnosis.causes.flatMap((one) =>
+    [make("dt", `${one.cause}: ${SUPPORTED[one.supported]}`), make("dd", `${one.evidence}. To decide: ${one.experiment}.`)]));
   listed($("l-doubts"), told.doubts);
-  $("l-plan").hidden = !told.has_design;
+  $("l-plan").hidden = !told.prediction;
   draw();
 }
 function draw() {

@@ -230,7 +230,7 @@ function showAnswer(found) {
   const some = now || before || first, last = some && !some.error && !some.lift ? "Parameters" : "Lift force";
   const level = some && some.lift ? `, ${plain(100 * some.lift.level, 3)} % interval` : "";
   if (change) {
-    const was = change.was.condition_was, is = change.is.condition_is;
+    const was = change.was.repeats, is = change.is.repeats;
     rows.push([`${symbol()} of ${change.trial}`, withStd(change.was.force_N, change.was.std_N), withStd(change.is.force_N, change.is.std_N)],
       ["It is", wordsOf(change.was), wordsOf(change.is)],
       ["Law", law(before), law(now)], [last + level, lift(before), lift(now)],
@@ -264,7 +264,7 @@ async function loadCurve() {
   const name = S.trial, view = S.view;
   try {
     const columns = Math.max(50, Math.round($("plot").clientWidth - 62));
-    const curve = await call("curve", { trial: name, start_s: view ? view[0] : "", stop_s: view ? view[1] : "", columns });
+    const curve = await call("curve", { trial: name, start_s: view ? view[0] : NaN, stop_s: view ? view[1] : NaN, columns });
     if (name === S.trial) { S.curve = curve; S.view = S.view || [curve.start_s, curve.stop_s]; }
   } catch (error) {
     if (name === S.trial) { S.curve = null; S.view = null; fail(error); }

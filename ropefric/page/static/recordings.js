@@ -4,9 +4,14 @@ import { chart } from "./canvas.js";
 
 const ROLES = { time: "time", force: "force", end_tension: "end tension", counts: "counts", end_tension_counts: "counts of the end tension" };
 const CELL = { full_scale: "1 kN", zero_voltage: "0 V", full_scale_voltage: "5 V", rated_output: "2 mV/V" };
+const HEADERS = ["wheel", "wheel_radius_mm", "wrap_angle_deg", "wrap_turns", "end_tension_N", "end_mass_kg", "cell", "repeat", "*"];
+const MOST_ROWS = 200, MOST_FILES = 5000;
 // `data` are the settings of the campaign as its file states them; `campaign` is that file, "" for a new one.
 const R = { told: null, names: null, scales: null, data: {}, campaign: null };
 const text = (id) => $(id).value.trim();
+// A column without a header of its own goes by its number: #3 in a field.
+const columnText = (column) => typeof column === "number" ? `#${column}` : column ?? "";
+const columnOf = (words) => /^#\d+$/.test(words) ? Number(words.slice(1)) : words;
 const sizeOf = (round) => round?.radius !== undefined ? "radius" : "diameter";
 const rateOf = () => R.data.sampling ? ["sampling", "rate"] : ["import", "sampling_rate"];
 
@@ -25,8 +30,7 @@ async function begin(anew) {
     "adc-bits": adc?.bits, "adc-low": adc?.low, "adc-high": adc?.high, rate: R.data[rateOf()[0]]?.[rateOf()[1]], pattern: "" };
   for (const [name, value] of Object.entries(fields)) $(`r-${name}`).value = value ?? "";
   choose($("r-format"), own?.format ?? "");
-  const column = own?.recording_column ?? "";
-  choose($("r-recording_column"), typeof column === "number" ? `#${column}` : column);
+  choose($("r-recording_column"), columnText(own?.recording_column));
   $("r-channels").tBodies[0].replaceChildren();
   $("r-wheels").replaceChildren();
   // Of a campaign that is there the list names the cells; the last row takes one more.
@@ -59,21 +63,21 @@ const cellsOf = () => [...$("r-cells").tBodies[0].rows].map((row) => {
 // --- the wish of a person ---
 
 function wish() {
-  const bits = text("r-adc-bits"), channels = {}, cells = {}, settings = { "": { name: text("r-name") }, rope: { [sizeOf(R.data.rope)]: text("r-rope") },
+  const bits = text("r-adc-bits"), channels = {}, cells = {}, settings = { name: text("r-name"), rope: { [sizeOf(R.data.rope)]: text("r-rope") },
     tare: { interval: text("r-from") && text("r-until") ? [text("r-from"), text("r-until")] : "" },
     adc: { bits: Number(bits) || bits, low: text("r-adc-low"), high: text("r-adc-high") },
     design: { wheel_radius: text("r-design-radius"), wrap_angle: text("r-design-wrap"), end_tension: text("r-design-tension") },
-    import: { format: text("r-format"), recording_column: text("r-recording_column") } };
+    import: { format: text("r-format"), recording_column: columnOf(text("r-recording_column")) }, wheels: {}, cells: {} };
   const [table, rate] = rateOf();
   settings[table] = { ...settings[table], [rate]: text("r-rate") };
   for (const row of $("r-channels").tBodies[0].rows) {
     const [column, unit, sensitivity] = [...row.querySelectorAll("select, input")].map((one) => one.value.trim());
-    channels[row.dataset.role] = { column, unit: column && unit, sensitivity: column && sensitivity };
+    channels[row.dataset.role] = { column: columnOf(column), unit: column && unit, sensitivity: column && sensitivity };
   }
   for (const field of $("r-wheels").querySelectorAll("input"))
-    settings[`wheels.${field.dataset.wheel}`] = { [sizeOf(R.data.wheels?.[field.dataset.wheel] ?? { radius: "" })]: field.value.trim() };
+    settings.wheels[field.dataset.wheel] = { [sizeOf(R.data.wheels?.[field.dataset.wheel] ?? { radius: "" })]: field.value.trim() };
   for (const one of cellsOf()) {
-    settings[`cells.${one.name}`] = one.keys;
+    settings.cells[one.name] = one.keys;
     if (one.column) cells[one.column] = one.name;
   }
   return { recordings: text("r-folder"), home: text("r-home"), pattern: isPattern() ? text("r-pattern") : "", channels, settings, cells };
@@ -98,7 +102,8 @@ export function look() {  // one look after the other; only the last result is s
 // --- the result ---
 
 function show() {
-  const told = R.told, found = told.found, names = told.files.map((file) => file.split("/").pop());
+  const told = R.told, found = told.found, columnsOf = (name) => told.header.includes(name) ? told.rows.map((row) => row[told.header.indexOf(name)]) : [];
+  const names = columnsOf("file").slice(0, MOST_FILES).map((file) => file.split("/").pop());
   $("r-more").hidden = false;
   if (!isPattern() && names.length) $("r-pattern").value = names[0].replace(/\.gz$/, "").replace(/\.[^.]*$/, "");
   showRows(told);
@@ -115,7 +120,7 @@ function show() {
     return made;
   };
   const rows = Object.entries(ROLES).map(([role, words]) => {
-    const one = told.channels[role] ?? { column: "", unit: "", sensitivity: "" }, made = make("tr"), fields = [select(one.column), make("input"), make("input")];
+    const one = told.channels[role] ?? { column: "", unit: "", sensitivity: "" }, made = make("tr"), fields = [select(columnText(one.column)), make("input"), make("input")];
     fields[1].value = one.unit;
     fields[2].value = one.sensitivity;
     fields[2].placeholder = role === "time" ? "" : "25 N/mV";
@@ -137,7 +142,7 @@ function show() {
   if (names.join("/") !== R.names) which.replaceChildren(...names.map((name, place) => new Option(name, place)));
   R.names = names.join("/");
   which.value = names[at] ? at : "0";
-  showWheels([...new Set([...Object.keys(R.data.wheels ?? {}), ...told.wheels])]);
+  showWheels([...new Set([...Object.keys(R.data.wheels ?? {}), ...columnsOf("wheel").filter(Boolean).sort()])]);
   showProblems(told.problems);
   const editing = !$("r-there").hidden, there = `${text("r-home")} has ${told.there.join(" and ")} already. You will see the changed lines before they are written.`;
   $("r-where").textContent = editing ? (told.difference ? "You will see the changed lines before they are written." : "No setting is changed.")
@@ -146,9 +151,9 @@ function show() {
   drawTrace();
 }
 
-function showRows({ header, rows, n_rows }, missed = "") {
-  fill($("r-rows"), header, rows);
-  $("r-told").textContent = [`${n_rows} trials${n_rows > rows.length ? `, the first ${rows.length} are shown` : ""}`, missed].filter(Boolean).join("; ");
+function showRows({ header, rows }, missed = "") {
+  fill($("r-rows"), header, rows.slice(0, MOST_ROWS));
+  $("r-told").textContent = [`${rows.length} trials${rows.length > MOST_ROWS ? `, the first ${MOST_ROWS} are shown` : ""}`, missed].filter(Boolean).join("; ");
 }
 
 function showWheels(wheels) {
@@ -314,7 +319,7 @@ for (const id of ["r-format", "r-recording_column", "r-rate", "r-name", "r-rope"
 
 step("recordings", async () => {
   if (!$("r-headers").children.length) {
-    $("r-headers").append(...state.headers.map((name) => {
+    $("r-headers").append(...HEADERS.map((name) => {
       const button = make("button", name === "*" ? "anything" : name.replaceAll("_", " "));
       button.type = "button";
       button.onmousedown = (event) => event.preventDefault();  // the mark in the pattern stays

@@ -14,14 +14,18 @@ async function load() {
   showMachines();
   $("w-own").hidden = !state.ready;
   if (!state.ready) return;
-  const told = await call("wheel");
+  const told = await call("law");
   $("w-computing").textContent = told.computing ? `computing (${told.computing})` : `by ${told.law}`;
   if (told.computing) { setTimeout(() => { if (shown() === "wheel") load().catch(fail); }, 400); return; }
   $("w-all").hidden = false;
-  if (!W.told) W.at = { ...told.at };
+  const tested = told.fit.validity, middle = ([low, high]) => (low + high) / 2;
+  if (!W.told) {
+    W.at = { rope_radius_m: told.rope_radius_m };
+    for (const name of Object.keys(SLIDERS)) W.at[name] = told.prediction?.[name] ?? middle(tested[name]);
+  }
   W.told = told;
   $("w-sliders").replaceChildren(...Object.entries(SLIDERS).map(([name, [words, own, factor]]) => {
-    const [low, high] = told.tested[name].map((x) => x / factor), line = make("div", "", "slider"), label = make("label");
+    const [low, high] = tested[name].map((x) => x / factor), line = make("div", "", "slider"), label = make("label");
     const range = make("input"), number = make("input");
     Object.assign(range, { type: "range", min: 0.5 * low, max: 1.5 * high, step: (high + low) / 2000, id: `w-${name}-range` });
     Object.assign(number, { type: "number", step: "any", min: 0, id: `w-${name}` });

@@ -2,8 +2,8 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -160,16 +160,6 @@ def open_folder(
         return nullcontext()
     lend_fonts_a_place(path)
     return folders.OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
-
-
-@contextmanager
-def saying_what_is_kept(out: Output, what: str, where: Path) -> Iterator[None]:
-    """Say what an interrupted run leaves for the next one."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        out.note(f"finished {what} are kept in {where}; the same command continues from there")
-        raise
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:

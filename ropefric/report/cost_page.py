@@ -25,9 +25,7 @@ _ASKED = (1e-2, 1e-4, 1e-8, 1e-12)
 
 def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Section, ...]:
     """Return the machine and one section a study: the cheapest setting for each accuracy, and the findings."""
-    how = (
-        "errors are relative; times are medians of one call, with the range between the quartiles in brackets"
-    )
+    how = "errors are relative; settings are timed in turn, and the least time of a call is shown"
     if any(result.quick for result in results):
         how += "; a quick look: some settings only, and little time for each"
     lines = [f"measured on {machine.line}", how]
@@ -49,8 +47,7 @@ def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Sec
 def _study_section(result: StudyResult) -> Section:
     """Return a study: its question, the cheapest setting of each case for each accuracy, equal rows in one."""
     study = result.study
-    turns = "; settings are timed in turn, and the least time of each is shown" if study.in_turn else ""
-    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}{turns}")
+    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}")
     cases = [f"{case.name}: {case.title}" for case in study.cases]
     groups: dict[tuple[str, ...], list[float]] = {}
     for row in zip(*(result.cheapest(case.name) for case in study.cases), strict=True):

@@ -19,29 +19,13 @@ def one_case(monkeypatch):
 
 
 @pytest.mark.usefixtures("one_case")
-def test_it_writes_figures_tables_and_a_page_and_goes_on_after_an_interruption(call, tmp_path, monkeypatch):
-    done, whole, out = [], measure.time_call, tmp_path / "out"
-
-    def timed(setting, effort):
-        done.append(setting)
-        if len(done) == 3:
-            raise KeyboardInterrupt
-        return whole(setting, effort)
-
-    monkeypatch.setattr(measure, "time_call", timed)
-    said = call("cost", "end-tension", "--quick", "--out", out)
-    kept = out / ".cache" / "cost.jsonl"
-    assert said.code == 130
-    assert f"finished settings are kept in {kept}" in said.err
-    assert len(kept.read_text(encoding="utf-8").splitlines()) == 1 + 2
-
-    again = call("cost", "end-tension", "end-tension", "--quick", "--out", out, "--json")
-    assert again.code == 0
-    assert all(one in again.err for one in ("measuring on", "100 %"))
-    facts = again.json()
+def test_it_writes_figures_tables_and_a_page(call, tmp_path):
+    out = tmp_path / "out"
+    done = call("cost", "end-tension", "end-tension", "--quick", "--out", out, "--json")
+    assert done.code == 0
+    assert all(one in done.err for one in ("measuring on", "100 %"))
+    facts = done.json()
     (study,) = facts["studies"]
-    assert len(done) == 3 + len(study["points"]) - 2
-    assert not kept.exists()
     assert (facts["quick"], facts["machine"]["cores"] >= 1, study["name"]) == (True, True, "end-tension")
     assert [row["accuracy"] for row in study["cheapest"]["power"]] == [10.0**-n for n in range(2, 13)]
     known = {(row.method, row.setting): row.error for row in measure.error_table("end-tension", "power")}

@@ -21,8 +21,6 @@ CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 
 _DEMANDING = tuple(accuracy for accuracy in study.ACCURACIES if accuracy < 2e-6)
 _TIGHTEST = study.ACCURACIES[-1]
-_ASKED = (1e-2, 1e-6, 1e-12)
-_MANY = 10_000
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -157,7 +155,7 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
             f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the "
             "input cost more than the formula."
         )
-    return (*sentences, *_one_against_many(cases), *_of_the_hoist(cases))
+    return tuple(sentences)
 
 
 def _of_case(case: str, points: tuple[Measured, ...]) -> str:
@@ -177,41 +175,6 @@ def _of_case(case: str, points: tuple[Measured, ...]) -> str:
     if rule is not None:
         best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {study.time_text(rule.seconds)}"
     return f"{case}: {verdict}: {times}; {best_rule}."
-
-
-def _one_against_many(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
-    """Return what a condition costs alone and in a batch: the difference is the overhead of calling numpy."""
-    lines = []
-    for method in (*CLOSED, "gauss-legendre"):
-        alone, batch = (
-            study.cheapest([p for p in cases.get(case, ()) if p.method == method], _TIGHTEST)
-            for case in ("regular", "many")
-        )
-        if alone is not None and batch is not None:
-            other = "" if batch.setting == alone.setting else f" ({batch.setting})"
-            each = study.time_text(batch.seconds / _MANY)
-            lines.append(f"{alone.name} {study.time_text(alone.seconds)} alone, {each} in a batch{other}")
-    if not lines:
-        return ()
-    why = "Alone, the calls of numpy are paid for, and a rule with fewer of them wins; in a batch, the arithmetic is."
-    return (f"To 1e-12, a condition costs: {'; '.join(lines)}. {why}",)
-
-
-def _of_the_hoist(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
-    """Return what the plan of a hoist does with all this: it takes the closed form, and what that costs it."""
-    parts = []
-    for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
-        own = next((point for point in cases.get(case, ()) if point.method == CLOSED[0]), None)
-        rules = [point for point in cases.get(case, ()) if point.method not in CLOSED]
-        pairs = [(a, rule) for a in _ASKED if (rule := study.cheapest(rules, a)) is not None]
-        if own is not None and pairs:
-            rivals = ", ".join(
-                f"{study.time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs
-            )
-            parts.append(
-                f"for {what} {study.time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}"
-            )
-    return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",) if parts else ()
 
 
 def _case(name: str, title: str, *problem: Any, **more: int) -> Case:

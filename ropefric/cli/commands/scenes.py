@@ -228,11 +228,7 @@ def cost(
     studies: Words = Argument(None, metavar="[STUDY …]", help="Studies to measure, all by default."),
     *,
     folder: Path = out_folder("Where figures, tables and page are written.", Path("cost")),
-    campaign: list[Path] | None = Option(
-        None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
-    ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
-    cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -241,31 +237,18 @@ def cost(
     and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
-    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
-    command measures the rest.
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
-    if campaign:
-        from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
-
-        chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
     names = ["cost.md", "cost.html", *pairs]
     with options.open_folder(folder, family="cost", names=names, force=force) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        kept = folder / folders.CACHE / "cost.jsonl"
-        with (
-            options.saying_what_is_kept(out, "settings", kept),
-            executors.cluster(cluster) as executor,
-            Progress(out, "cost") as progress,
-        ):
-            how: dict[str, Any] = {"progress": progress.update, "executor": executor, "kept": kept}
-            results = measure.measure_studies(chosen, quick=quick, **how)
+        with Progress(out, "cost") as progress:
+            results = measure.measure_studies(chosen, quick=quick, progress=progress.update)
         written = cost_page.write_cost(results, machine, target)
-        # A whole measurement is made anew, one that was interrupted goes on.
-        kept.unlink(missing_ok=True)
     studied = [result.to_dict() for result in results]
     data = {"machine": machine._asdict(), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")

@@ -130,11 +130,15 @@ def read_fit(path: Path, out: Output) -> "result.FitResult":
     return fit
 
 
-def refuse_file(path: Path | None, source: Path | None) -> None:
-    """Refuse, before the work, to write to a special file or to an input of the same command."""
-    if path is not None:
-        refuse_special(path)
-        refuse_input(path, source)
+def refuse_file(path: Path | None, source: Path | None, *, force: bool) -> None:
+    """Refuse, before the work, to write to a special file, to an input, or without `force` over a file that exists."""
+    if path is None:
+        return
+    refuse_special(path)
+    refuse_input(path, source)
+    if path.exists() and not force:
+        fix = "choose another name, or replace it with --force"
+        raise InputError("the file is there already", code="RF150", path=path.as_posix(), fix=fix)
 
 
 def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:

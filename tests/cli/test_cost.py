@@ -33,13 +33,13 @@ def test_it_writes_figures_tables_and_a_page(call, tmp_path):
         assert point["error"] == known[point["method"], point["setting"]], "errors know no clock"
         assert point["seconds"] > 0.0
     names = {path.name for path in out.iterdir() if path.is_file()}
-    assert names == {"end-tension.png", "end-tension.csv", "cost.md", "cost.html"}
+    assert names == {"end-tension.png", "end-tension.csv", "cost.html"}
     assert any(path.endswith("cost.html") for path in facts["written"])
     with (out / "end-tension.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert {row["case"] for row in rows} == {"power"}
     assert all(float(row["seconds"]) > 0.0 <= float(row["error"]) for row in rows)
-    assert "1000 loads" in (out / "cost.md").read_text(encoding="utf-8")
+    assert "1000 loads" in (out / "cost.html").read_text(encoding="utf-8")
 
 
 def test_an_unknown_study_is_answered_with_the_nearest_before_anything_is_measured(call, tmp_path):

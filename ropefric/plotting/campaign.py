@@ -62,15 +62,10 @@ def start_condition_figures(
     *,
     under: str = "",
     executor: Executor | None = None,
-) -> Callable[[Progress | None], tuple[Path, ...]]:
-    """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
+) -> Callable[[Progress | None], dict[str, tuple[str, tuple[Path, ...]]]]:
+    """Begin to draw each condition of an extraction, see `start_drawing`; return what writes the figures."""
     drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
-    write = start_drawing(drawings, as_folder(folder), executor, under=under)
-
-    def write_all(progress: Progress | None = None) -> tuple[Path, ...]:
-        return tuple(path for _, paths in write(progress).values() for path in paths)
-
-    return write_all
+    return start_drawing(drawings, as_folder(folder), executor, under=under)
 
 
 def draw_condition(summary: ConditionSummary, trials: Sequence[TrialResult]) -> FigureWithData:

@@ -69,6 +69,20 @@ def test_cases_whose_settings_do_not_differ_share_a_panel_of_times(result):
     assert lines["quick"].get_ydata().tolist() == [0, 1]
 
 
+def test_errors_that_differ_by_less_than_a_decade_have_a_panel_of_their_own(result):
+    """Draws of an interval come closer slowly; two such cases are no pile."""
+    cases = tuple(Case(name=name, title="an interval", settings=tuple) for name in ("arms", "coverage"))
+    points = tuple(point(case.name, "draws", error, 1e-3 * n, f"{n}") for case in cases
+                   for n, error in ((1, 0.18), (2, 0.1), (3, 0.06)))  # fmt: skip
+    drawn = draw_work_precision(
+        StudyResult(study=replace(result.study, cases=cases), points=points, quick=True)
+    )
+    assert [axes.get_title(loc="left") for axes in drawn.figure.axes] == [
+        "arms: an interval",
+        "coverage: an interval",
+    ]
+
+
 def test_the_page_answers_for_each_accuracy_and_first_for_the_ordinary_cases(result):
     head, section = cost_sections([result], MACHINE)
     assert "Z80" in head.lines[0]

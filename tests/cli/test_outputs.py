@@ -144,16 +144,18 @@ def test_a_fit_is_replaced_by_a_fit_and_nothing_else_is(call, tmp_path):
         assert call(*words, path, "--force").code in {0, 4}
 
 
-def test_a_plan_is_not_written_over_a_file_that_exists(call, tmp_path):
-    path = tmp_path / "plan.csv"
-    assert call(*PLAN, "--out", path, "-q").code == 0
-    plan = path.read_text(encoding="utf-8")
-    path.write_text(plan + "done on Monday\n", encoding="utf-8")
-    done = call(*PLAN, "--out", path)
-    assert done.code == 3
-    assert "the file is there already" in done.err
-    assert path.read_text(encoding="utf-8").endswith("done on Monday\n")
-    assert (call(*PLAN, "--out", path, "-q", "--force").code, path.read_text(encoding="utf-8")) == (0, plan)
+def test_a_file_that_exists_is_not_written_over(call, bench, tmp_path):
+    recording = min((bench / "traces").iterdir())
+    for words in ((*PLAN, "--out"), ("export", FIT, "--out"), ("inspect", recording, "--write-profile")):
+        path = tmp_path / f"{words[0]}.txt"
+        assert call(*words, path, "-q").code == 0
+        made = path.read_text(encoding="utf-8")
+        path.write_text(f"{made}done on Monday\n", encoding="utf-8")
+        done = call(*words, path)
+        assert done.code == 3
+        assert f"error RF150 {path.as_posix()}  the file is there already" in done.err
+        assert path.read_text(encoding="utf-8").endswith("done on Monday\n")
+        assert (call(*words, path, "-q", "--force").code, path.read_text(encoding="utf-8")) == (0, made)
 
 
 def test_single_files_are_not_written_through_links(call, tmp_path):

@@ -1,6 +1,6 @@
 """Results in words: formatted numbers, sections with tables, charts as data, and the text of all.
 
-The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` shows the same as HTML and Markdown.
+The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` shows the same as HTML.
 """
 
 import math

@@ -108,8 +108,6 @@ class Study:
         What the tool itself does, in a few words.
     findings : callable
         Returns sentences that are particular to this study from what was measured.
-    in_turn : bool
-        Whether the settings of a case are timed in turn, and by the least of their times, because some lie so close.
 
     Examples
     --------
@@ -126,7 +124,6 @@ class Study:
     cases: tuple[Case, ...]
     used: str = ""
     findings: Callable[[tuple[Measured, ...]], tuple[str, ...]] = lambda _points: ()
-    in_turn: bool = False
 
     def case(self, name: str = "") -> Case:
         """Return a case by name, the first without one.

@@ -2,8 +2,8 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -130,11 +130,15 @@ def read_fit(path: Path, out: Output) -> "result.FitResult":
     return fit
 
 
-def refuse_file(path: Path | None, source: Path | None) -> None:
-    """Refuse, before the work, to write to a special file or to an input of the same command."""
-    if path is not None:
-        refuse_special(path)
-        refuse_input(path, source)
+def refuse_file(path: Path | None, source: Path | None, *, force: bool) -> None:
+    """Refuse, before the work, to write to a special file, to an input, or without `force` over a file that exists."""
+    if path is None:
+        return
+    refuse_special(path)
+    refuse_input(path, source)
+    if path.exists() and not force:
+        fix = "choose another name, or replace it with --force"
+        raise InputError("the file is there already", code="RF150", path=path.as_posix(), fix=fix)
 
 
 def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:
@@ -160,16 +164,6 @@ def open_folder(
         return nullcontext()
     lend_fonts_a_place(path)
     return folders.OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
-
-
-@contextmanager
-def saying_what_is_kept(out: Output, what: str, where: Path) -> Iterator[None]:
-    """Say what an interrupted run leaves for the next one."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        out.note(f"finished {what} are kept in {where}; the same command continues from there")
-        raise
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:

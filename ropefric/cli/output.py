@@ -8,14 +8,15 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import typer
 
 from ropefric.errors import Problem
 from ropefric.files.disk import cannot_write
 from ropefric.files.plain_text import visible
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.progress import Progress as Bar
 
 
@@ -33,11 +34,6 @@ class Output(NamedTuple):
     quiet: bool = False
     color: bool = True
 
-    @property
-    def stderr(self) -> "Console":
-        """Return a console for messages."""
-        return console_on(sys.stderr, color=self.color)
-
     def result(self, text: str) -> None:
         """Write the result to stdout, in one piece; a reader that goes away is no failure of the work."""
         try:
@@ -52,35 +48,29 @@ class Output(NamedTuple):
     def note(self, text: str) -> None:
         """Say something on stderr, unless asked to be quiet."""
         if not self.quiet:
-            self._say(f"{visible(text)}\n")
+            self._say(visible(text))
 
     def problems(self, problems: Iterable[Problem], rest: str = ALL_BY_JSON) -> None:
         """List problems on stderr, a line for each cause; warnings only if not asked to be quiet."""
+        for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
+        colored = for_eyes and self.color and not os.environ.get("NO_COLOR")
         for problem in by_cause(problems, rest):
             if problem.severity == "error" or not self.quiet:
-                # Styled only for eyes: rich takes a while.
-                for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
-                told = visible(str(problem))
-                self._say(self._styled(problem, told) if for_eyes else f"{told}\n")
+                text = visible(str(problem))
+                if colored:
+                    color = {"error": "red", "warning": "yellow"}[problem.severity]
+                    severity = typer.style(problem.severity, fg=color, bold=True)
+                    text = severity + text.removeprefix(problem.severity)
+                self._say(text, colored=colored)
 
-    def _styled(self, problem: Problem, told: str) -> str:
-        from rich.text import Text  # noqa: PLC0415
-
-        text = Text(told)
-        text.stylize("bold red" if problem.severity == "error" else "bold yellow", 0, len(problem.severity))
-        fix = text.plain.rfind("\n  fix: ")
-        if problem.fix and fix >= 0:
-            text.stylize("cyan", fix + 3, fix + 7)
-        console = self.stderr
-        with console.capture() as capture:
-            console.print(text, soft_wrap=True)
-        return capture.get()
-
-    def _say(self, text: str) -> None:
+    def _say(self, text: str, *, colored: bool = False) -> None:
         # The work goes on when nobody listens any more (`2>&1 | head`), or the log's disk is full.
         with suppress(OSError):
-            sys.stderr.write(text)
-            sys.stderr.flush()
+            if colored:
+                typer.echo(text, err=True, color=True)  # it translates colours for terminals that need it
+            else:
+                sys.stderr.write(f"{text}\n")
+                sys.stderr.flush()
 
 
 def by_cause(problems: Iterable[Problem], rest: str = ALL_BY_JSON) -> list[Problem]:
@@ -117,15 +107,6 @@ def _as_one(alike: Sequence[Problem], rest: str) -> Problem:
         places = "; ".join(["this", *others])
     times = "times" if len({one.message for one in alike}) == 1 else "such"
     return replace(first, message=f"{first.message} ({n} {times}: {places}{more})")
-
-
-def console_on(stream: TextIO, *, color: bool = True) -> "Console":
-    r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe."""
-    width = None if stream.isatty() else PIPE_WIDTH
-    styled = {} if color else {"color_system": None}
-    from rich.console import Console as RichConsole  # noqa: PLC0415
-
-    return RichConsole(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
 
 
 def json_text(data: Any) -> str:
@@ -201,10 +182,12 @@ class Progress:
 
 
 def _make_bar(out: Output) -> "Bar":
-    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415  (only at a terminal)
+    from rich.console import Console  # noqa: PLC0415  (only at a terminal)
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
     from rich.progress import Progress as RichProgress  # noqa: PLC0415
 
     count = TextColumn("{task.description} {task.completed}/{task.total}"), BarColumn(bar_width=24)
     left = TextColumn("{task.percentage:>3.0f} %"), TimeRemainingColumn(), TextColumn("{task.fields[note]}")
     # No drawing thread: worker processes are forked while the bar is up.
-    return RichProgress(*count, *left, console=out.stderr, transient=True, auto_refresh=False)
+    console = Console(file=sys.stderr, emoji=False, color_system="auto" if out.color else None)
+    return RichProgress(*count, *left, console=console, transient=True, auto_refresh=False)

@@ -62,42 +62,32 @@ def start_condition_figures(
     *,
     under: str = "",
     executor: Executor | None = None,
-) -> Callable[[Progress | None], tuple[Path, ...]]:
-    """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
+) -> Callable[[Progress | None], dict[str, tuple[str, tuple[Path, ...]]]]:
+    """Begin to draw each condition of an extraction, see `start_drawing`; return what writes the figures."""
     drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
-    write = start_drawing(drawings, as_folder(folder), executor, under=under)
-
-    def write_all(progress: Progress | None = None) -> tuple[Path, ...]:
-        return tuple(path for _, paths in write(progress).values() for path in paths)
-
-    return write_all
+    return start_drawing(drawings, as_folder(folder), executor, under=under)
 
 
-def draw_condition(
-    summary: ConditionSummary, trials: Sequence[TrialResult], *, traces: bool = True
-) -> FigureWithData:
+def draw_condition(summary: ConditionSummary, trials: Sequence[TrialResult]) -> FigureWithData:
     """Return the figure of one condition: its traces on the left, the repeatability of the force on the right.
 
-    The repeatability: force by trial, mean and ±2s band, trials set aside with the reason; alone without `traces`.
+    The repeatability: force by trial, mean and ±2s band, trials set aside with the reason.
     """
     wheel_mm, rope_mm, wrap_deg, tension_N, symbol = _settings(summary, trials)
     title = style.typeset(
         f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N"
     )
     colors = style.shades(len(trials))
-    sides: dict[str, Any] = {"ncols": 2, "width_ratios": (3, 2)} if traces else {}
-    with drawing(10.0, 5.0 if traces else 4.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
-        panels = rows[0]
-        for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
+    with drawing(10.0, 5.0, margins=_MARGINS, ncols=2, width_ratios=(3, 2)) as (figure, panels):
+        for axes, left in zip(panels, (-0.1, -0.16), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
             axes.xaxis.set_label_coords(0.5, -0.09)
             axes.yaxis.set_label_coords(left, 0.5)
             axes.set_title("", y=1.0)  # likewise
-        if traces:
-            _draw_traces(panels[0], trials, colors)
-        _draw_strip(panels[-1], summary, trials, colors)
+        _draw_traces(panels[0], trials, colors)
+        _draw_strip(panels[1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
-    tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
+    tables = _trial_table(trials), _trace_table(trials)
     return FigureWithData(figure, tables, _in_words(summary, style.plain_text(title), trials))
 
 

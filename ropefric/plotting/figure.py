@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
@@ -44,7 +44,6 @@ from ropefric.plotting.style import (
 )
 from ropefric.section import Chart
 
-T = TypeVar("T")
 Draw = Callable[[], "FigureWithData"]
 Progress = Callable[[int, int, str], None]
 
@@ -53,17 +52,6 @@ FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDa
 """File formats of a figure, and the metadata left out of each."""
 
 _PARSERS: dict[str, Any] = {}
-
-
-def _done(job: Callable[[], T]) -> T:
-    """Do a job, and look for garbage only after it: a tenth of a figure's time goes into looking while it is made."""
-    looked = gc.isenabled()
-    gc.disable()
-    try:
-        return job()
-    finally:
-        if looked:
-            gc.enable()
 
 
 def forget_fonts() -> None:
@@ -254,12 +242,12 @@ def start_drawing(
     jobs = {stem: partial(_drawn, draw, stem, **how) for stem, draw in drawings.items()}
     if executor is not None:
         forget_fonts()  # the executor may fork here, and this process goes on drawing
-        futures = {executor.submit(_done, job): stem for stem, job in jobs.items()}
+        futures = {executor.submit(job): stem for stem, job in jobs.items()}
 
     def write(progress: Progress | None = None) -> dict[str, tuple[str, tuple[Path, ...]]]:
         drawn: Iterable[tuple[str, tuple[str, dict[str, bytes]]]]
         if executor is None:
-            drawn = ((stem, _done(job)) for stem, job in jobs.items())
+            drawn = ((stem, job()) for stem, job in jobs.items())
         else:
             drawn = ((futures[one], one.result()) for one in as_completed(futures))
         made: dict[str, tuple[str, tuple[Path, ...]]] = dict.fromkeys(jobs, ("", ()))
@@ -291,22 +279,13 @@ def figure_files(figure: FigureWithData, stem: str, *, formats: Iterable[str] = 
             figure.figure.savefig(stream, format=form, metadata=dict.fromkeys(FORMATS[form]))
         contents[f"{stem}.{form}"] = stream.getvalue()
     for table in figure.tables:
-        rows = zip(*(_cells(_listed(column)) for column in table.columns.values()), strict=True)
-        text = csv_text([table.header, *rows])
+        text = csv_text([table.header, *([_cell(value) for value in row] for row in table.rows)])
         contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = text.encode()
     return contents
 
 
-def _cells(column: list[object]) -> list[object]:
-    if all(type(value) is float for value in column):
-        # All in one go: the traces of a campaign are half a million numbers.
-        return [*("%.8g\n" * len(column) % tuple(column)).replace("nan", "").split("\n")[:-1]]
-    if all(type(value) is str for value in column):
-        shown = {word: csv_cell(word) for word in set(column)}  # names of trials, at each of their samples
-        return [shown[word] for word in column]
-    return [
-        f"{value:.8g}".replace("nan", "") if isinstance(value, float) else csv_cell(value) for value in column
-    ]
+def _cell(value: object) -> str:
+    return f"{value:.8g}".replace("nan", "") if isinstance(value, float) else csv_cell(value)
 
 
 _NUMBER = re.compile(r"[-.\d]+")

@@ -15,6 +15,8 @@ _COLUMNS = (
     *("case", "method", "setting", "error", "seconds", "spread_s", "evaluations"),
     *("lower_s", "upper_s", "repeats", "loops", "bias", "noise"),
 )
+_NO_ERROR = 1e-13
+"""Below this an error is rounding, which differs from setting to setting."""
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S)")
 
 
@@ -98,9 +100,9 @@ def _draw_case(
 
 
 def _is_pile(points: tuple[Measured, ...]) -> bool:
-    """Return whether the errors of a case are in two places at most: with everything in, and with something left out."""
-    errors = [point.shown_error for point in points if math.isfinite(point.error)]
-    places = {round(math.log10(error)) for error in errors}
+    """Return whether a case has two different errors at most: with everything in, and with something left out."""
+    errors = [max(point.error, _NO_ERROR) for point in points if math.isfinite(point.error)]
+    places = {round(math.log10(error), 1) for error in errors}
     return len(errors) > len(places) and len(places) <= 2
 
 

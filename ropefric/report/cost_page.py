@@ -25,9 +25,7 @@ _ASKED = (1e-2, 1e-4, 1e-8, 1e-12)
 
 def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Section, ...]:
     """Return the machine and one section a study: the cheapest setting for each accuracy, and the findings."""
-    how = (
-        "errors are relative; times are medians of one call, with the range between the quartiles in brackets"
-    )
+    how = "errors are relative; settings are timed in turn, and the least time of a call is shown"
     if any(result.quick for result in results):
         how += "; a quick look: some settings only, and little time for each"
     lines = [f"measured on {machine.line}", how]
@@ -49,8 +47,7 @@ def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Sec
 def _study_section(result: StudyResult) -> Section:
     """Return a study: its question, the cheapest setting of each case for each accuracy, equal rows in one."""
     study = result.study
-    turns = "; settings are timed in turn, and the least time of each is shown" if study.in_turn else ""
-    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}{turns}")
+    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}")
     cases = [f"{case.name}: {case.title}" for case in study.cases]
     groups: dict[tuple[str, ...], list[float]] = {}
     for row in zip(*(result.cheapest(case.name) for case in study.cases), strict=True):
@@ -98,32 +95,10 @@ def _cell(point: Measured | None) -> str:
     return f"{point.name}: {time_text(point.seconds)} (± {time_text(0.5 * point.spread_s)})"
 
 
-def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
-    r"""Return the page as Markdown; the figures stand beside it as NAME.png."""
-    head, *studies = cost_sections(results, machine)
-    parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *_markdown_table(head))) + "\n"]
-    for result, section in zip(results, studies, strict=True):
-        name = result.study.name
-        cases, notes = ("\n".join(f"- {one}" for one in some) for some in (section.lines[3:], section.notes))
-        blocks = [f"## {section.title}", *section.lines[:3], cases, f"![{name}]({name}.png)"]
-        blocks += [*(_markdown_table(section) if section.rows else ()), *([notes] if notes else [])]
-        parts.append("\n\n".join(blocks) + f"\n\nAll numbers: [{name}.csv]({name}.csv)\n")
-    return "\n".join(parts)
-
-
-def _markdown_table(section: Section) -> tuple[str, ...]:
-    if not section.headings:
-        return ()
-    head, *rows = (
-        "| " + " | ".join(row) + " |" for row in (map(str.rstrip, section.headings), *section.rows)
-    )
-    return ("\n".join([head, "|" + "---|" * len(section.headings), *rows]),)
-
-
 def write_cost(
     results: Sequence[StudyResult], machine: Machine, folder: Folder | str | os.PathLike[str]
 ) -> tuple[Path, ...]:
-    """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths."""
+    """Write a figure and a CSV for each study, and cost.html; return their paths."""
     target = as_folder(folder)
     head, *sections = cost_sections(results, machine)
     chapters = [Chapter("result", "The cheapest way to an accuracy", (head,))]
@@ -138,6 +113,6 @@ def write_cost(
         paths += written
     # No line ends within a power of ten: a word joiner behind each minus.
     page = _POWER.sub("-\u2060", as_html(Report(TITLE, _LEAD, tuple(chapters))))
-    paths += target.write({"cost.md": cost_markdown(results, machine), "cost.html": page})
+    paths += target.write({"cost.html": page})
     target.publish("page")
     return tuple(paths)

@@ -2,15 +2,12 @@
 
 import gc
 import itertools
-import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ropefric.accuracy import measure
-from ropefric.accuracy.measure import FULL, QUICK, Effort, Timing, measure_studies, this_machine, time_call
+from ropefric.accuracy.measure import FULL, QUICK, Effort, Timing, measure_studies, this_machine, time_in_turn
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import (
     ACCURACIES,
@@ -45,10 +42,11 @@ class Clock:
 
 def timed(durations, batch_s, budget_s, *fewest_and_most):
     clock = Clock(durations)
-    return time_call(clock.work, Effort(batch_s, budget_s, *fewest_and_most), clock=clock), clock.calls
+    (found,) = time_in_turn([clock.work], Effort(batch_s, budget_s, *fewest_and_most), clock=clock)
+    return found, clock.calls
 
 
-def test_a_call_is_timed_by_the_median_of_batches_as_long_and_as_many_as_it_takes():
+def test_a_call_is_timed_by_the_least_of_batches_as_long_and_as_many_as_it_takes():
     short, _ = timed(itertools.repeat(1e-6), 5e-3, 0.1, 5, 25)
     assert short.loops == 8192  # the first power of two whose batch lasts 5 ms
     assert short.seconds == pytest.approx(1e-6, rel=1e-6)
@@ -61,9 +59,9 @@ def test_a_call_is_timed_by_the_median_of_batches_as_long_and_as_many_as_it_take
     assert timed(itertools.repeat(0.1), 0.05, 1e3, 3, 7)[0].repeats == 7
     long, calls = timed(itertools.repeat(10.0), 0.05, 1.0, 3, 7)
     assert (long.repeats, calls) == (3, 4)
-    # The spread is between the quartiles.
+    # The spread is up to the upper quartile.
     found, _ = timed([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], 0.5, 0.5, 5, 5)
-    assert (found.lower_s, found.seconds, found.upper_s) == (2.0, 3.0, 4.0)
+    assert (found.lower_s, found.seconds, found.upper_s) == (1.0, 1.0, 4.0)
 
 
 def test_what_is_slow_for_a_while_is_slow_for_all_that_are_timed_in_turn():
@@ -75,32 +73,18 @@ def test_what_is_slow_for_a_while_is_slow_for_all_that_are_timed_in_turn():
 
     calls = [lambda: work(1.0), lambda: work(1.01)]
     effort = Effort(batch_s=0.5, budget_s=5.0, fewest=5, most=5)
-    found = measure.time_in_turn(calls, effort, clock=clock)
+    found = time_in_turn(calls, effort, clock=clock)
     assert [one.seconds for one in found] == pytest.approx([1.0, 1.01])
     assert all(one.lower_s == one.seconds < one.upper_s for one in found)
     assert [one.repeats for one in found] == [5, 5]
     order, few = [], Effort(batch_s=0.0, budget_s=0.0, fewest=5, most=5)
-    measure.time_in_turn([lambda: order.append("a"), lambda: order.append("b")], few)
+    time_in_turn([lambda: order.append("a"), lambda: order.append("b")], few)
     assert "".join(order) == "aabb" + "ab" * 4
-
-
-def test_a_study_in_turn_times_the_settings_of_a_case_together_and_an_interrupted_one_the_rest(tmp_path):
-    calls, kept = [], tmp_path / "kept.jsonl"
-    effort = Effort(batch_s=0.0, budget_s=0.0, fewest=3, most=3)
-    study = replace(made_study(calls), in_turn=True)
-    (result,) = measure_studies([study], effort=effort, kept=kept)
-    assert "".join(calls) == "aabb" + "abab"
-    assert [point.repeats for point in result.points] == [3, 3]
-    kept.write_text("\n".join(kept.read_text(encoding="utf-8").splitlines()[:-1]), encoding="utf-8")
-    calls.clear()
-    (again,) = measure_studies([study], effort=effort, kept=kept)
-    assert "".join(calls) == "bbbb", "of a and b only what is not kept"
-    assert again.points[0].to_dict() == result.points[0].to_dict()
 
 
 def test_the_garbage_collector_works_again_even_after_a_failure():
     with pytest.raises(ZeroDivisionError):
-        time_call(lambda: 1 / 0)
+        time_in_turn([lambda: 1 / 0])
     assert gc.isenabled()
 
 
@@ -167,12 +151,13 @@ def made_study(calls):
                  findings=lambda points: tuple(p.method for p in points))  # fmt: skip
 
 
-def test_a_study_is_measured_setting_by_setting_and_quickly_only_in_part():
+def test_a_study_is_measured_case_by_case_and_quickly_only_in_part():
     calls, told = [], []
     effort = Effort(batch_s=1e-9, budget_s=1e-9, fewest=1, most=1)
     (result,) = measure_studies([made_study(calls)], effort=effort, progress=lambda *args: told.append(args))
     assert [(p.method, p.error, p.evaluations) for p in result.points] == [("a", 1e-3, 7.0), ("b", 1e-9, 7.0)]
-    assert told == [(1, 2, "made: only, a"), (2, 2, "made: only, b")]
+    assert calls == ["a", "a", "b", "b"], "each is called once to warm up"
+    assert told == [(1, 1, "made: only")]
     assert result.findings == ("a", "b")
     tree = result.to_dict()
     assert [row["method"] for row in tree["cheapest"]["only"]][1:8] == [
@@ -182,38 +167,6 @@ def test_a_study_is_measured_setting_by_setting_and_quickly_only_in_part():
     quick = measure_studies([made_study(calls)], quick=True, effort=effort)[0]
     assert [p.method for p in quick.points] == ["a"]
     assert quick.quick
-
-
-def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch):
-    """Interrupted at the third of five settings, with half a line written: only those that are left are measured."""
-    monkeypatch.setattr(measure, "time_call", lambda call, effort: Timing(1.5e-3, 1e-3, 2e-3, 5, 1))
-    assessed, stop_at = [], [3]
-
-    def setting(place):
-        def assess():
-            if len(assessed) + 1 == stop_at[0]:
-                raise KeyboardInterrupt
-            assessed.append(place)
-            return Outcome(error=1.0 / (place + 1), evaluations=float(place), shares={"mean": 0.1 * place})
-
-        return Setting("method", f"{place} steps", lambda: None, assess)
-
-    def measured(kept=None):
-        case = Case("one", "", lambda: tuple(map(setting, range(5))))
-        study = Study(name="s", title="", question="", reference="", counted="", cases=(case,))
-        (result,) = measure_studies([study], kept=kept)
-        return result.to_dict()
-
-    kept = tmp_path / "new" / "kept.jsonl"
-    with pytest.raises(KeyboardInterrupt):
-        measured(kept)
-    stop_at[0] = 0
-    with kept.open("a", encoding="utf-8") as stream:
-        stream.write('\n["4f", {"err')
-    found = measured(kept)
-    assert assessed == [0, 1, 2, 3, 4]
-    assert json.dumps(found) == json.dumps(measured())
-    assert assessed == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
 
 
 LONG = {"picks": pytest.mark.release, "scenes": pytest.mark.slow}

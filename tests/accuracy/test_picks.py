@@ -1,4 +1,4 @@
-"""The benchmark of pickers: each finds a plain break, the score counts what it says, campaigns with a truth join in."""
+"""The benchmark of pickers: each finds a plain break, and the score counts what it says."""
 
 from dataclasses import replace
 from math import nan
@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.studies.picks import PICKERS, Known, recordings_of_campaign, score, with_campaigns
+from ropefric.accuracy.studies.picks import PICKERS, Known, score
 from ropefric.accuracy.study import Measured
-from ropefric.errors import InputError
-from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.trace import ForceTrace
 
 
@@ -52,24 +50,6 @@ def test_the_score_counts_every_outcome_once():
     assert found.noise == pytest.approx(0.009 / np.sqrt(2))
     assert found.error == pytest.approx(np.quantile([0.001, 0.01, 0.5], 0.95))
     assert score([(nan, nan, False)], [Known(trace, 100.0)]).error == np.inf
-
-
-def test_a_campaign_with_a_truth_is_one_more_case(tmp_path):
-    plan = prth_bench_plan()
-    folder = tmp_path / "mine"
-    faults = {"no-breakaway": 0.25, "unreadable": 0.125, "hum": 0.5}
-    simulate_campaign(folder, replace(plan, conditions=plan.conditions[:2], repeats=4, faults=faults), seed=2)
-    known = recordings_of_campaign(folder)
-    assert len(known) == 7  # but for the one that cannot be read
-    assert sum(np.isnan(one.peak_N) for one in known) == 2
-    study = with_campaigns(STUDIES["picks"], [folder])
-    ours = study.case("mine").settings()[0].assess()
-    assert ours.shares["recordings"] == 7.0
-    assert ours.error < 0.1
-    (folder / "truth.toml").unlink()
-    recordings_of_campaign.cache_clear()
-    with pytest.raises(InputError, match="no usable truth"):
-        with_campaigns(STUDIES["picks"], [folder])
 
 
 def test_where_ropefric_loses_it_says_so():

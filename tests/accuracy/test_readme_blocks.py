@@ -58,7 +58,7 @@ def test_the_page_compares_all_quick_pickers_on_all_recordings():
     assert [row[1:3] for row in rows] == wanted, "run python tests/regenerate_readme.py picks"
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_the_page_says_how_many_intervals_hold_the_truth():
     """Every design stands there; those that take little time are counted again."""
     shown = block_of("uncertainty").splitlines()

@@ -1,5 +1,6 @@
 """The frame of the command line: exit codes, pure JSON, words on stderr, help that starts light."""
 
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -179,26 +180,25 @@ def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
         *("solve", "explain", "cost", "verify", "check-plugin")]  # fmt: skip
 
 
-def test_no_color_writes_plain_text_even_to_a_terminal(monkeypatch):
-    import io
-
-    from ropefric.cli.output import console_on
+def test_problems_are_colored_at_a_terminal_but_where_color_is_not_wanted(monkeypatch):
+    from ropefric.cli.output import Output
 
     class Terminal(io.StringIO):
         def isatty(self):
             return True
 
-    monkeypatch.delenv("NO_COLOR", raising=False)
-    monkeypatch.setenv("TERM", "xterm-256color")
-    stream = Terminal()
-    console_on(stream).print("red", style="red")
-    assert "\x1b[" in stream.getvalue()
-    for name, color in (("NO_COLOR", True), ("IRRELEVANT", False)):
-        monkeypatch.setenv(name, "1")
+    def said(**wishes):
         stream = Terminal()
-        console_on(stream, color=color).print("red", style="red")
-        assert stream.getvalue() == "red\n"
-        monkeypatch.delenv(name)
+        monkeypatch.setattr(sys, "stderr", stream)
+        Output(**wishes).problems([Problem(code="RF110", message="an error of 3 N", fix="correct it")])
+        return stream.getvalue()
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    plain = "error RF110  an error of 3 N\n  fix: correct it\n"
+    assert said() == f"\x1b[31m\x1b[1merror\x1b[0m{plain.removeprefix('error')}"
+    assert said(color=False) == plain
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert said() == plain
 
 
 def test_json_takes_numpy_and_refuses_what_has_no_place_in_it(strict):

@@ -98,7 +98,7 @@ def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path)
 
 def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path):
     for words, name in ((("solve", SCENES / "hoist.toml", "--out"), "answer.json"),
-            (SWEEP, "sweep_figure.csv"), (("cost", "integral", "--quick", "--out"), "cost.md"),
+            (SWEEP, "sweep_figure.csv"), (("cost", "integral", "--quick", "--out"), "cost.html"),
             (CHART, "design_chart.png")):  # fmt: skip
         folder = tmp_path / name
         folder.mkdir()
@@ -144,18 +144,18 @@ def test_a_fit_is_replaced_by_a_fit_and_nothing_else_is(call, tmp_path):
         assert call(*words, path, "--force").code in {0, 4}
 
 
-def test_a_plan_is_written_again_but_not_over_what_the_lab_made_of_it(call, tmp_path):
-    path = tmp_path / "plan.csv"
-    for _ in range(2):
-        assert call(*PLAN, "--out", path, "-q").code == 0
-    plan = path.read_text(encoding="utf-8")
-    for text in (plan + "done on Monday\n", "trial,file\n"):
-        path.write_text(text, encoding="utf-8")
-        done = call(*PLAN, "--out", path)
+def test_a_file_that_exists_is_not_written_over(call, bench, tmp_path):
+    recording = min((bench / "traces").iterdir())
+    for words in ((*PLAN, "--out"), ("export", FIT, "--out"), ("inspect", recording, "--write-profile")):
+        path = tmp_path / f"{words[0]}.txt"
+        assert call(*words, path, "-q").code == 0
+        made = path.read_text(encoding="utf-8")
+        path.write_text(f"{made}done on Monday\n", encoding="utf-8")
+        done = call(*words, path)
         assert done.code == 3
-        assert "other content than this plan" in done.err
-        assert path.read_text(encoding="utf-8") == text
-    assert (call(*PLAN, "--out", path, "-q", "--force").code, path.read_text(encoding="utf-8")) == (0, plan)
+        assert f"error RF150 {path.as_posix()}  the file is there already" in done.err
+        assert path.read_text(encoding="utf-8").endswith("done on Monday\n")
+        assert (call(*words, path, "-q", "--force").code, path.read_text(encoding="utf-8")) == (0, made)
 
 
 def test_single_files_are_not_written_through_links(call, tmp_path):

@@ -21,7 +21,6 @@ def test_unknown_names_are_answered_with_the_nearest(call, tmp_path):
     folder = tmp_path / "a"
     assert "did you mean 'spike'?" in call("simulate", folder, "--fault", "spik=1").err
     assert "did you mean 'coupled'?" in call("simulate", folder, "--law", "coupeld").err
-    assert "did you mean 'prth-bench'?" in call("simulate", folder, "--bench", "prth_bench").err
     assert "did you mean 'mu_inf'?" in call("simulate", folder, "-p", "mu_imf=1").err
     assert not folder.exists()
 

@@ -18,8 +18,6 @@ import pytest
 from distributed import Client, LocalCluster
 
 import ropefric as rf
-from ropefric.accuracy import measure
-from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.executors import cluster
@@ -91,14 +89,6 @@ def test_recordings_that_workers_do_not_find_are_an_error_and_no_bad_recordings(
     with pytest.raises(DataError, match="a worker does not find this file") as caught:
         rf.extract(hidden, executor=client)
     assert "under the same name" in caught.value.fix
-
-
-def test_errors_of_a_study_are_the_same(client, monkeypatch):
-    monkeypatch.setattr(measure, "time_call", lambda *_: measure.Timing(1.0, 1.0, 1.0, 1, 1))
-    study = STUDIES["interval"]
-    one, two = (measure.measure_studies([study], quick=True, executor=by)[0] for by in (None, client))
-    assert repr(one.points) == repr(two.points)  # a NaN is not equal to itself
-    assert len({point.method for point in one.points}) > 2
 
 
 SWEEPS = {"planned for its box": ("hoist", ["wheel.wrap=90deg:1440deg:300", "rope.diameter=1mm:80mm:400"]),

@@ -112,8 +112,14 @@ def drawn(campaign):
     return run(campaign, "drawn", "--jobs", "2")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("setting", SETTINGS)
+QUICK = ("AVX2", "two threads, one process")
+"""Settings that are tried every time; the others are tried before a release."""
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [pytest.param(one, marks=pytest.mark.slow if one in QUICK else pytest.mark.release) for one in SETTINGS],
+)
 def test_no_setting_shows_in_figures_and_report(campaign, drawn, setting):
     assert any(name.endswith(".png") for name in drawn)
     jobs = "1" if setting.endswith("one process") else "2"

@@ -23,11 +23,6 @@ def drawn(extracted):
     return draw_condition(extracted.conditions[0], extracted.trials)
 
 
-@pytest.fixture(scope="module")
-def alone(extracted):
-    return draw_condition(extracted.conditions[0], extracted.trials, traces=False)
-
-
 def test_it_is_one_picture_with_its_words(drawn):
     page = svg_text(drawn)
     root = ET.fromstring(page)  # noqa: S314  (our own text)
@@ -42,9 +37,9 @@ def test_it_is_one_picture_with_its_words(drawn):
         assert word not in page
 
 
-def test_every_reference_has_its_id_and_no_two_figures_share_one(drawn, alone):
+def test_every_reference_has_its_id_and_no_two_figures_share_one(drawn):
     found = {}
-    for stem, figure in (('one "&', drawn), ("two", drawn), ("", drawn), ("r#1", alone), ("r-1", alone)):
+    for stem, figure in (('one "&', drawn), ("two", drawn), ("", drawn), ("r#1", drawn), ("r-1", drawn)):
         text = svg_text(figure, stem=stem)
         ids = re.findall(r' id="([^"]+)"', text)
         assert len(ids) == len(set(ids))

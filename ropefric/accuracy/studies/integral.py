@@ -11,18 +11,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import quad
 
-from ropefric.accuracy import study
-from ropefric.accuracy.study import Case, Measured, Setting, Study, against
+from ropefric.accuracy.study import ACCURACIES, Case, Measured, Setting, Study, against
 from ropefric.arrays import FloatArray
 from ropefric.friction.integral import PowerSpan, power_integral
 
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""
 
-_DEMANDING = tuple(accuracy for accuracy in study.ACCURACIES if accuracy < 2e-6)
-_TIGHTEST = study.ACCURACIES[-1]
-_ASKED = (1e-2, 1e-6, 1e-12)
-_MANY = 10_000
+_TIGHTEST = ACCURACIES[-1]
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -143,75 +139,16 @@ def _settings(
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
-    cases = study.by_case(points)
-    sentences = [
-        _of_case(case, here) for case, here in cases.items() if any(p.method in CLOSED for p in here)
-    ]
-    bad = [p for p in points if p.method == CLOSED[-1] and p.error > _TIGHTEST]
-    if bad:
-        where = " and ".join(f"{point.error:.0e} in {point.case}" for point in bad)
-        worst = max(point.error for point in points if point.method == CLOSED[0])
-        sentences.append(
-            "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
-            f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the "
-            "input cost more than the formula."
-        )
-    return (*sentences, *_one_against_many(cases), *_of_the_hoist(cases))
-
-
-def _of_case(case: str, points: tuple[Measured, ...]) -> str:
-    closed = [point for point in points if point.method in CLOSED]
-    winners = [best for accuracy in _DEMANDING if (best := study.cheapest(points, accuracy)) is not None]
-    rivals = list(dict.fromkeys(best.name for best in winners if best.method not in CLOSED))
-    verdict = "a closed form is the fastest at every accuracy from 1e-6 down"
-    if rivals:
-        first = min(closed, key=lambda point: point.seconds)
-        verdict = (
-            f"the closed form is not the fastest at every accuracy from 1e-6 down, {', '.join(rivals)} is faster "
-            f"where {first.name} is not accurate enough"
-        )
-    times = ", ".join(f"{study.time_text(p.seconds)} ({p.method}, error {p.shown_error:.0e})" for p in closed)
-    rule = study.cheapest([point for point in points if point.method not in CLOSED], _TIGHTEST)
-    best_rule = f"no rule reaches {_TIGHTEST:.0e}"
-    if rule is not None:
-        best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {study.time_text(rule.seconds)}"
-    return f"{case}: {verdict}: {times}; {best_rule}."
-
-
-def _one_against_many(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
-    """Return what a condition costs alone and in a batch: the difference is the overhead of calling numpy."""
-    lines = []
-    for method in (*CLOSED, "gauss-legendre"):
-        alone, batch = (
-            study.cheapest([p for p in cases.get(case, ()) if p.method == method], _TIGHTEST)
-            for case in ("regular", "many")
-        )
-        if alone is not None and batch is not None:
-            other = "" if batch.setting == alone.setting else f" ({batch.setting})"
-            each = study.time_text(batch.seconds / _MANY)
-            lines.append(f"{alone.name} {study.time_text(alone.seconds)} alone, {each} in a batch{other}")
-    if not lines:
+    bad = [f"{p.error:.0e} in {p.case}" for p in points if p.method == CLOSED[-1] and p.error > _TIGHTEST]
+    if not bad:
         return ()
-    why = "Alone, the calls of numpy are paid for, and a rule with fewer of them wins; in a batch, the arithmetic is."
-    return (f"To 1e-12, a condition costs: {'; '.join(lines)}. {why}",)
-
-
-def _of_the_hoist(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
-    """Return what the plan of a hoist does with all this: it takes the closed form, and what that costs it."""
-    parts = []
-    for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
-        own = next((point for point in cases.get(case, ()) if point.method == CLOSED[0]), None)
-        rules = [point for point in cases.get(case, ()) if point.method not in CLOSED]
-        pairs = [(a, rule) for a in _ASKED if (rule := study.cheapest(rules, a)) is not None]
-        if own is not None and pairs:
-            rivals = ", ".join(
-                f"{study.time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs
-            )
-            parts.append(
-                f"for {what} {study.time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}"
-            )
-    return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",) if parts else ()
+    worst = max(point.error for point in points if point.method == CLOSED[0])
+    sentence = (
+        "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
+        f"{' and '.join(bad)}. The stable form is never off by more than {worst:.0e}; for one condition, the checks "
+        "of the input cost more than the formula."
+    )
+    return (sentence,)
 
 
 def _case(name: str, title: str, *problem: Any, **more: int) -> Case:

@@ -1,26 +1,20 @@
-"""Pickers of the break-away force, side by side: on recordings of two rigs, one of them unknown to all, and on yours."""
+"""Pickers of the break-away force, side by side, on recordings of two rigs, one of them unknown to all."""
 
-import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from math import inf, isfinite, nan
-from pathlib import Path
 
 import numpy as np
 import scipy.signal
 
 from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, RopefricError
 from ropefric.rig.further import contacts, pulls
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
-from ropefric.traces.readers import read_recordings
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.campaign import load_campaign
-from ropefric.trials.extract import blocks_of, tared_trace
 
 SEED, PER_FAMILY, UNSEEN = 2027, 2, 80
 RIGHT = 0.02
@@ -52,30 +46,6 @@ def unseen_recordings() -> tuple[Known, ...]:
     """Return recordings of the fourth rig, which no picker was made for or trained on."""
     drawn = pulls(np.random.default_rng(SEED), UNSEEN, contacts)
     return tuple(Known(ForceTrace(time_s=one.time_s, force_N=one.force_N), one.peak_N) for one in drawn)
-
-
-@cache
-def recordings_of_campaign(folder: Path) -> tuple[Known, ...]:
-    """Return the recordings of a campaign with a truth.toml, calibrated and tared, but unreadable files."""
-    campaign = load_campaign(folder / "campaign.toml")
-    try:
-        trials = tomllib.loads((folder / "truth.toml").read_text(encoding="utf-8"))["trials"]
-        truths = {
-            name: float(one["lift_force_N"]) if one["status"] == "ok" else nan for name, one in trials.items()
-        }
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        fix = 'write one: [trials] with NAME = { status = "ok", lift_force_N = 12.3 } for each trial'
-        raise InputError("no usable truth.toml beside the campaign", path=folder, fix=fix) from error
-    found = []
-    for spec in campaign.trials:
-        if spec.trial not in truths:
-            continue
-        try:
-            raw = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))[0]
-            found.append(Known(tared_trace(campaign, spec, raw)[0], truths[spec.trial]))
-        except RopefricError:
-            continue
-    return tuple(found)
 
 
 def _filled(trace: ForceTrace) -> FloatArray:
@@ -112,48 +82,6 @@ def by_prominence(trace: ForceTrace, *, part: float) -> Picked:
     return float(mean_N[found[0]]) if found.size else nan, nan, False
 
 
-def by_sta_lta(trace: ForceTrace, *, short: int, long: int, ratio: float = 8.0) -> Picked:
-    """Return the highest 5-point mean around the trigger of the energy of force changes, short over long mean.
-
-    Allen, R. V. (1978), Automatic earthquake recognition and timing from single traces, Bull. Seism. Soc. Am. 68,
-    1521-1532; windows and ratio as in Withers et al. (1998), ibid. 88, 95-106.
-    """
-    force_N = _filled(trace)
-    change = np.diff(force_N)
-    if change.size < long + 2 * short:
-        return nan, nan, False
-    energy = (change - np.median(change)) ** 2 + 1e-30
-    sta = _mean_of(energy, short)[long:]
-    lta = _mean_of(energy, long)[: sta.size]
-    above = np.flatnonzero(sta[: lta.size] > ratio * lta)
-    if not above.size:
-        return nan, nan, False
-    at = long + int(above[0])
-    return float(_mean_of(force_N[max(0, at - short) : at + 2 * short], 5).max()), nan, False
-
-
-def by_aic(trace: ForceTrace) -> Picked:
-    """Return the highest 5-point mean around where two stretches of unlike variance meet best.
-
-    AIC(k) = k ln var(x[:k]) + (n - k - 1) ln var(x[k:]) of the force changes is least at the onset: Maeda, N. (1985), A
-    method for reading and checking phase times in autoprocessing system of seismic wave data, Zisin 38, 365-379. As
-    there, the stretch looked at ends with the event: here the steepest fall.
-    """
-    force_N = _filled(trace)
-    x = np.diff(force_N)
-    x = x[: int(np.argmin(_mean_of(x, 5))) + 15] if x.size else x
-    if x.size < 30:
-        return nan, nan, False
-    n, k = x.size, np.arange(10, x.size - 10)
-    total, squares = np.concatenate([[0.0], np.cumsum(x)]), np.concatenate([[0.0], np.cumsum(x**2)])
-    before = squares[k] / k - (total[k] / k) ** 2
-    after = (squares[n] - squares[k]) / (n - k) - ((total[n] - total[k]) / (n - k)) ** 2
-    least = 1e-12 * max(float(squares[n]) / n, 1e-300)
-    aic = k * np.log(np.maximum(before, least)) + (n - k - 1) * np.log(np.maximum(after, least))
-    at = int(k[np.argmin(aic)])
-    return float(_mean_of(force_N[max(0, at - 10) : at + 10], 5).max()), nan, False
-
-
 PICKERS: tuple[tuple[str, str, Picker, bool], ...] = (
     ("ropefric", "", by_ropefric, True),
     ("ropefric", "highest", partial(by_ropefric, picker="highest"), True),
@@ -166,9 +94,6 @@ PICKERS: tuple[tuple[str, str, Picker, bool], ...] = (
         ("find_peaks", f"prominence {100 * p:g} %", partial(by_prominence, part=p), p == 0.05)
         for p in (0.02, 0.05)
     ),
-    ("STA/LTA", "10 over 100", partial(by_sta_lta, short=10, long=100), True),
-    ("STA/LTA", "20 over 400", partial(by_sta_lta, short=20, long=400), False),
-    ("AIC", "", by_aic, True),
 )
 """Method, setting, picker, whether a quick look has it."""
 
@@ -246,24 +171,6 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
                 else f"{case}: all {n} kinds are all right."
             )
     return tuple(lines)
-
-
-def with_campaigns(study: Study, folders: Sequence[Path]) -> Study:
-    """Return the study with a case more for each campaign that has a truth.toml.
-
-    Raises
-    ------
-    InputError
-        If a folder holds no campaign with a truth.
-    """
-    cases = []
-    for folder in folders:
-        if not recordings_of_campaign(folder):
-            raise InputError("no recording of this campaign has a truth", path=folder)
-        name = folder.resolve().name
-        settings = partial(_settings, partial(recordings_of_campaign, folder))
-        cases.append(Case(name, f"the campaign {name}, with the truth of its truth.toml", settings))
-    return replace(study, cases=(*study.cases, *cases))
 
 
 UNKNOWN = "unseen rig"

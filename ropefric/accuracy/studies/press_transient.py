@@ -4,8 +4,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from ropefric.accuracy import study
-from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, largest_error
 from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
@@ -98,7 +97,7 @@ def _settings(case: str) -> tuple[Setting, ...]:
     def setting(integrator: str, text: str, chosen: dict[str, float], *, quick: bool) -> Setting:
         def assess() -> Outcome:
             counting = _Counting(model=problem.model, inputs=problem.inputs)
-            error = study.largest_error(tensions_N(counting, integrator, chosen), exact)
+            error = largest_error(tensions_N(counting, integrator, chosen), exact)
             return Outcome(error=error, evaluations=float(counting.evaluations))
 
         return Setting(integrator, text, partial(tensions_N, problem, integrator, chosen), assess, quick)
@@ -120,27 +119,9 @@ def _settings(case: str) -> tuple[Setting, ...]:
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    cases = [case for case in BELTS if study.in_case(points, case)]
+    cases = [case for case in BELTS if in_case(points, case)]
     limits = [f"{1e3 * rk4_limit_s(start_up(case).eigenvalues):.3g} ms ({case})" for case in cases]
-    return (
-        *(_fastest(case, study.in_case(points, case)) for case in cases),
-        *((f"RK4 is stable up to a step of {', '.join(limits)}.",) if limits else ()),
-    )
-
-
-def _fastest(case: str, points: tuple[Measured, ...]) -> str:
-    winners = [
-        best for accuracy in study.ACCURACIES if (best := study.cheapest(points, accuracy)) is not None
-    ]
-    names = list(dict.fromkeys(point.method for point in winners))
-    if names == ["exact"]:
-        rival = min((point for point in points if point.method != "exact"), key=lambda point: point.seconds)
-        exact, other = study.time_text(winners[0].seconds), study.time_text(rival.seconds)
-        return (
-            f"{case}: the matrix exponential is the fastest at every accuracy, {exact}; the fastest other is "
-            f"{rival.name} in {other}, off by {rival.error:.0e}."
-        )
-    return f"{case}: fastest, from rough to accurate: {', '.join(names)}."
+    return (f"RK4 is stable up to a step of {', '.join(limits)}.",) if limits else ()
 
 
 STUDY = Study(

@@ -131,7 +131,6 @@ ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 _QUICK = {0.1, 1e-2}
 """The accuracies for which a quick look makes a plan."""
 _REFERENCE_BUDGET = 1e-14
-_NO_ERROR = 1e-15
 _A_SAVING = 0.25
 """Share of the time with all effects that a busy machine can resolve."""
 _PLAN, _ALL, _NONE = "plan and solve", "all effects", "no effects"
@@ -222,29 +221,7 @@ def _largest_difference(found: Sweep, reference: Sweep) -> float:
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    return tuple(
-        sentence
-        for case, here in by_case(points).items()
-        for sentence in (_left_out(case, here), _worth(case, here))
-        if sentence
-    )
-
-
-def _left_out(case: str, points: tuple[Measured, ...]) -> str:
-    """Return which effects a plan does without at each accuracy, and by how much the answer is then off."""
-    groups: dict[tuple[str, ...], list[tuple[float, float]]] = {}
-    for point in points:
-        if point.method == _PLAN and case in PROBLEMS:
-            wanted = _wanted(point)
-            groups.setdefault(planned(case, wanted)[0].left_out, []).append((wanted, point.error))
-    parts = []
-    for names, found in groups.items():
-        worst = max(error for _, error in found)
-        span = f"{found[0][0]:g}" if len(found) == 1 else f"{found[0][0]:g} to {found[-1][0]:g}"
-        off = f"off by {worst:.1e}" if worst > _NO_ERROR else "not off"
-        without = f"without {', '.join(names)}" if names else "with everything"
-        parts.append(f"at {span} {without} ({off})")
-    return f"{case}: planned {'; '.join(parts)}." if parts else ""
+    return tuple(_worth(case, here) for case, here in by_case(points).items())
 
 
 def _wanted(point: Measured) -> float:
@@ -282,5 +259,4 @@ STUDY = Study(
         *(Case(name, title, partial(_swept_settings, name)) for name, (_, _, title) in SWEEPS.items()),
     ),
     findings=_findings,
-    in_turn=True,
 )

@@ -4,8 +4,7 @@ A wheel's lift force, its uncertainty, the smallest wheel, the next tests, a tab
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
-from ropefric.files.disk import write_file, write_files
+from ropefric.files.disk import write_file
 
 with on_first_use():
     from ropefric import pipeline, section
@@ -33,10 +32,6 @@ with on_first_use():
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import extract as extracting
     from ropefric.uncertainty import budget as statements
-
-
-_LARGE = 5_000_000
-"""Bytes of a table that takes seconds."""
 
 
 _OF = Option(
@@ -79,30 +74,14 @@ def fit(
     given |= {"groups": tuple(groups) if groups else None, "shared": options.parse_sharers(shared)}
     if file is not None:  # before the work
         store.check_target(file, trials, overwrite=force)
-    with _steps(trials, out) as step:
-        step(0, "reading")
-        table = options.read_table(trials, out, of=of)
-        step(1, "fitting")
-        fitted = fitting.fit_law(table, law, seed=seed, **given)
-        step(2, "intervals")
-        result = confidence.with_intervals(fitted, intervals)
-        step(3, "done")
+    table = options.read_table(trials, out, of=of)
+    result = confidence.with_intervals(fitting.fit_law(table, law, seed=seed, **given), intervals)
     if file is not None:
         out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
     verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
     data = result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of}
     return Answer(data, sections, exit_code_of(result.verdict))
-
-
-@contextmanager
-def _steps(trials: Path, out: Output) -> Iterator[Callable[[int, str], None]]:
-    """Give what shows the steps of a fit as progress, if the table is so large that they take time."""
-    if not trials.is_file() or trials.stat().st_size < _LARGE:
-        yield lambda _done, _what: None
-        return
-    with Progress(out, "fit") as progress:
-        yield lambda done, what: progress.update(done, 3, what)
 
 
 @command("ropefric compare fits/prth-trials.csv", order=100)
@@ -326,7 +305,7 @@ def plan_tests(
     starts: int = Option(10, min=1, help="Starts of the search."),
     seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
-    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
+    force: bool = flag("--force", "Write over a file that is already there."),
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
@@ -336,10 +315,7 @@ def plan_tests(
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
-    options.refuse_file(file, fit)
-    before = (
-        None if file is None or force else _plan_there(file)
-    )  # before the work, as far as it can be known
+    options.refuse_file(file, fit, force=force)
     can: dict[str, Any] = {
         "wheel_radius_m": read_levels(wheels, "m", "--wheels", levels),
         "wrap_angle_rad": read_levels(wraps, "rad", "--wraps", levels),
@@ -363,8 +339,6 @@ def plan_tests(
     how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
     found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
     if file is not None:
-        if before not in {None, found.to_csv().encode()}:
-            raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
     return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
@@ -380,22 +354,6 @@ def _guessed(
     repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
     at = options.parse_assignments(guess, option="--guess")
     return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold))
-
-
-def _plan_there(path: Path) -> bytes | None:
-    """Return the plan that is in a file already; a file that holds anything else is refused."""
-    if not path.is_file():
-        return None
-    content = path.read_bytes()
-    if not content.startswith(b"condition,wheel_radius_mm"):
-        raise _taken(path)
-    return content
-
-
-def _taken(path: Path) -> InputError:
-    # A lab writes into its plans, and nothing tells such a one from one as it was written.
-    why, fix = "the file is there already, with other content than this plan", "or replace it with --force"
-    return InputError(why, code="RF150", path=path.as_posix(), fix=f"choose another name, {fix}")
 
 
 def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
@@ -556,7 +514,7 @@ def export(
     over the table; that error is printed. Exits with 4 when the law is not supported by
     its fit.
     """
-    options.refuse_file(file, fit_file)
+    options.refuse_file(file, fit_file, force=force)
     stored = options.read_fit(fit_file, out)
     asked = {
         "wrap_angle_rad": (wrap, "rad", "--wrap"),
@@ -572,11 +530,10 @@ def export(
         "rows": found.mu_average.size,
         "extrapolated": int(found.extrapolated.sum()),
         "unanswered": int((found.mu_average != found.mu_average).sum()),
-        "files": [],
+        "files": [] if file is None else [str(file)],
     }
     if file is not None:
-        content = {file.name: sweep.columns_text(columns).encode()}
-        data["files"] = [*map(str, write_files(file.parent, content, overwrite=force))]
+        write_file(file, sweep.columns_text(columns))
         out.note(f"wrote {file}")
     percent = f"{100 * found.constant_error:.3g} %"
     lines = (

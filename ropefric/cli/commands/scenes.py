@@ -1,7 +1,7 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from math import prod
 from pathlib import Path
@@ -111,6 +111,18 @@ def _names_of(family: str) -> tuple[str, ...]:
     return ("answer.json", *histories, *options.figure_names(*stems))
 
 
+@contextmanager
+def _at_work(
+    out: Output, axes: "tuple[sweeping.Axis, ...]", folder: "folders.Folder | None", name: str, cluster: str
+) -> Iterator[dict[str, Any]]:
+    """Give what a sweep and draws have in common: progress, the table they write, and who does the work."""
+    with Progress(out, "solve") as progress, ExitStack() as stack:
+        table = None if folder is None else stack.enter_context(sweeping.sweep_table(axes, folder, name))
+        executor = stack.enter_context(executors.cluster(cluster))
+        write = None if table is None else table.add
+        yield {"progress": progress.update, "write": write, "executor": executor}
+
+
 def _swept(  # noqa: PLR0917  (as the command has them)
     out: Output,
     scene: "scenes.Scene",
@@ -122,13 +134,8 @@ def _swept(  # noqa: PLR0917  (as the command has them)
     plot: str,
 ) -> Answer:
     axes = tuple(sweeping.parse_axis(scene, text) for text in texts)
-    with Progress(out, "solve") as progress, ExitStack() as stack:
-        write = None
-        if folder is not None:
-            write = stack.enter_context(sweeping.sweep_table(axes, folder, name)).add
-        executor = stack.enter_context(executors.cluster(cluster))
-        how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
-        found = sweeping.sweep_scene(scene, axes, progress=progress.update, **how)
+    with _at_work(out, axes, folder, name, cluster) as how:
+        found = sweeping.sweep_scene(scene, axes, keep=sweeping.KEPT_POINTS, **how)
     files = [] if folder is None else _publish_sweep(out, found, folder, name, plot)
     shown = parts.sweep_sections(found)
     return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
@@ -143,13 +150,8 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
     cluster: str,
     **how: Any,
 ) -> Answer:
-    with Progress(out, "solve") as progress, ExitStack() as stack:
-        write = None
-        if folder is not None:
-            write = stack.enter_context(sweeping.sweep_table((), folder, name)).add
-        executor = stack.enter_context(executors.cluster(cluster))
-        how |= {"progress": progress.update, "write": write, "executor": executor}
-        found = drawing.draw_scene(scene, count, **how)
+    with _at_work(out, (), folder, name, cluster) as of_work:
+        found = drawing.draw_scene(scene, count, **how, **of_work)
     data: dict[str, Any] = found.to_dict()
     files: Sequence[Path] = ()
     if folder is not None:
@@ -228,11 +230,7 @@ def cost(
     studies: Words = Argument(None, metavar="[STUDY …]", help="Studies to measure, all by default."),
     *,
     folder: Path = out_folder("Where figures, tables and page are written.", Path("cost")),
-    campaign: list[Path] | None = Option(
-        None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
-    ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
-    cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -241,32 +239,19 @@ def cost(
     and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
-    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
-    command measures the rest.
+    cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
-    if campaign:
-        from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
-
-        chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
-    names = ["cost.md", "cost.html", *pairs]
+    names = ["cost.html", *pairs]
     with options.open_folder(folder, family="cost", names=names, force=force) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        kept = folder / folders.CACHE / "cost.jsonl"
-        with (
-            options.saying_what_is_kept(out, "settings", kept),
-            executors.cluster(cluster) as executor,
-            Progress(out, "cost") as progress,
-        ):
-            how: dict[str, Any] = {"progress": progress.update, "executor": executor, "kept": kept}
-            results = measure.measure_studies(chosen, quick=quick, **how)
+        with Progress(out, "cost") as progress:
+            results = measure.measure_studies(chosen, quick=quick, progress=progress.update)
         written = cost_page.write_cost(results, machine, target)
-        # A whole measurement is made anew, one that was interrupted goes on.
-        kept.unlink(missing_ok=True)
     studied = [result.to_dict() for result in results]
     data = {"machine": machine._asdict(), "quick": quick, "studies": studied, "written": list(written)}
-    said = options.written_to(folder, "cost.html, cost.md, …")
+    said = options.written_to(folder, "cost.html, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

@@ -15,10 +15,9 @@ from typer import Argument, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress
-from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
+from ropefric.errors import DataError, InputError, Problem, raise_problems
 from ropefric.files.disk import write_file
 from ropefric.glossary import counted
-from ropefric.registry import did_you_mean
 
 with on_first_use():
     from ropefric import section, testing
@@ -136,11 +135,7 @@ def inspect(
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
-    if write_profile is not None:  # before the work
-        options.refuse_file(write_profile, file)
-        if write_profile.exists() and not force:
-            fix = "choose another name, or add --force"
-            raise InputError("the file is there already", code="RF150", path=write_profile, fix=fix)
+    options.refuse_file(write_profile, file, force=force)
     given = {"memory_bytes": memory, "time_s": time}
     limits = workers.Limits(**{name: value for name, value in given.items() if value is not None})
     # By a process that may die of it.
@@ -401,7 +396,6 @@ def simulate(
     seed: int | None = Option(
         None, min=0, help="The same seed writes the same bytes; default: the bench's own."
     ),
-    bench: str = Option("prth-bench", help="Which campaign to simulate: prth-bench."),
     law: str = Option("", help="The friction law that is true, instead of the bench's own."),
     parameter: Words = listed("NAME=VALUE", "A true parameter of the law", "--parameter", "-p"),
     repeats: int | None = Option(None, min=1, help="Recordings per condition."),
@@ -420,11 +414,7 @@ def simulate(
     or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
     stiffness, mass and contact.
     """
-    benches = {"prth-bench": (rigs.prth_bench_plan, rigs.PRTH_SEED)}
-    if bench not in benches:
-        raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
-    make, own_seed = benches[bench]
-    plan = make()
+    plan = rigs.prth_bench_plan()
     changes = _of_protocol(plan, protocol) | _of_law(plan, law, parameter or ())
     if repeats is not None:
         changes["repeats"] = repeats
@@ -433,13 +423,13 @@ def simulate(
     if fault is not None or no_faults:
         changes["faults"] = options.parse_assignments(fault or (), option="--fault")
     plan = replace(plan, physics=physics, protocol=rig_bench.RIG_PROTOCOLS[protocol].name, **changes)
-    seed = own_seed if seed is None else seed
+    seed = rigs.PRTH_SEED if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
     planned = ("physics", "protocol", "law", "parameters", "faults", "n_trials")
-    data = {"campaign": campaign, "bench": bench, "seed": seed, "n_conditions": len(plan.conditions)}
+    data = {"campaign": campaign, "bench": "prth-bench", "seed": seed, "n_conditions": len(plan.conditions)}
     data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")

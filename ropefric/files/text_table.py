@@ -350,28 +350,18 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
     row of words above it, with a row of units allowed between. Rows further up are a preamble.
     """
-    last = [split_line(line, separator) for line in [*filter(str.strip, lines)][-_N_SAMPLE:]]
-    few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
-    for n_lines in (few, len(lines)):
-        rows = [split_line(line, separator) for line in lines[:n_lines]]
-        if found := _search(rows, last, layout):
-            return found
-    raise _no_data(rows, layout, source)
-
-
-def _search(
-    rows: Sequence[Sequence[str]], last: Sequence[Sequence[str]], layout: TableLayout
-) -> HeadRows | None:
+    rows = [split_line(line, separator) for line in lines]
     inked = [number for number, row in enumerate(rows, start=1) if any(row)]
     after = layout.last_head_row
     if layout.data_row or layout.header_row >= 0:
         first = layout.data_row or after + 1
         data_row = next((number for number in inked if number >= first), 0)
     else:
+        last = [row for row, line in zip(rows, lines, strict=True) if line.strip()][-_N_SAMPLE:]
         typical = _typical_row(_with_numbers(last))
         data_row = _first_data_row(rows, [number for number in inked if number > after], typical, layout)
     if data_row == 0:
-        return None
+        raise _no_data(rows, layout, source)
     if layout.header_row >= 0:
         return HeadRows(layout.header_row, layout.units_row, data_row)
     return HeadRows(*_words_above(rows, inked, data_row, layout), data_row)

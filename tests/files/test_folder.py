@@ -267,7 +267,9 @@ with OutputFolder(sys.argv[1], family="campaign", names=["*.txt"], basis="a.txt"
 """
 
 
-@pytest.mark.parametrize("at", [1, 2, 3])
+@pytest.mark.parametrize(
+    "at", [pytest.param(1, marks=pytest.mark.slow), 2, pytest.param(3, marks=pytest.mark.slow)]
+)
 def test_after_a_kill_every_file_is_whole_and_the_next_run_goes_on(out, at):
     put(out, {"a.txt": "old", "b.txt": "old", "gone.txt": "old"}, basis="a.txt")
     done = subprocess.run([sys.executable, "-c", STOPPED, str(out), str(at)], check=False)

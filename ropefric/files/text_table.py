@@ -357,9 +357,7 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
         first = layout.data_row or after + 1
         data_row = next((number for number in inked if number >= first), 0)
     else:
-        last = [row for row, line in zip(rows, lines, strict=True) if line.strip()][-_N_SAMPLE:]
-        typical = _typical_row(_with_numbers(last))
-        data_row = _first_data_row(rows, [number for number in inked if number > after], typical, layout)
+        data_row = _first_data_row(rows, [number for number in inked if number > after], layout)
     if data_row == 0:
         raise _no_data(rows, layout, source)
     if layout.header_row >= 0:
@@ -367,13 +365,12 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     return HeadRows(*_words_above(rows, inked, data_row, layout), data_row)
 
 
-def _first_data_row(
-    rows: Sequence[Sequence[str]], below: Sequence[int], typical: Sequence[str], layout: TableLayout
-) -> int:
+def _first_data_row(rows: Sequence[Sequence[str]], below: Sequence[int], layout: TableLayout) -> int:
     """Return the first row that holds numbers wherever a typical row does, or nothing but numbers.
 
     A row above a line of words, or above `key=value`, is no data: the table begins further down.
     """
+    typical = _typical_row(_with_numbers([rows[number - 1] for number in below[-_N_SAMPLE:]]))
     is_numeric = [is_value(cell) or not cell for cell in typical]  # no word where nothing is, either
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()

@@ -80,10 +80,8 @@ class InputFile:
     @property
     def sha256(self) -> str:
         """Return the SHA-256 of the content."""
-        if not self._hash and self.size <= KEPT_BYTES:
-            self._hash = hashlib.sha256(self.read()).hexdigest()
-        elif not self._hash:
-            for _ in self._pass(BLOCK_BYTES):
+        if not self._hash:
+            for _ in self.blocks():
                 pass
         return self._hash
 
@@ -101,12 +99,9 @@ class InputFile:
             raise DataError(message, path=self.shown, fix="check that this is the file you mean")
         if self._kept is not None:
             return self._kept
-        if self.size > KEPT_BYTES:
-            return b"".join(self._pass(BLOCK_BYTES))
-        content = self.part(0, self.size + 1)
-        if len(content) != self.size or not self.is_steady:
-            raise _changed(self.shown)
-        self._kept = content
+        content = b"".join(self._pass(BLOCK_BYTES))
+        if self.size <= KEPT_BYTES:
+            self._kept = content
         return content
 
     def part(self, start: int, size: int) -> bytes:

@@ -7,19 +7,20 @@ old result or the new one, and the list is written before the files it names.
 """
 
 import errno
+import glob
 import json
 import os
 import platform
 import shlex
 import stat
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
-from fnmatch import fnmatchcase
+from itertools import chain
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO, NamedTuple, Self
+from typing import BinaryIO, NamedTuple, Self
 
 from ropefric.errors import DataError, Problem, data_error
 from ropefric.files import disk
@@ -36,9 +37,9 @@ CACHE = ".cache"
 """Folder within a command's folder for what can be made again at any time."""
 SCHEMA = "ropefric.files/1"
 
-_NO_LOCKS = {errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 _held: set[tuple[int, int]] = set()
-_TOLD = 3
+_MOST_NAMED = 3
+"""Files of others that a refusal names."""
 
 
 class Folder:
@@ -197,19 +198,16 @@ class OutputFolder(Folder):
 
     def _existing(self) -> list[str]:
         """Return the names the command may write that are taken."""
-        patterns: dict[str, list[str]] = {}
-        for path in map(PurePosixPath, self._names):
-            patterns.setdefault(path.parent.as_posix(), []).append(path.name)
         disk.refuse_link(self.path / CACHE)
-        found: list[str] = []
-        for parent, of_parent in sorted(patterns.items()):
+        for parent in sorted({PurePosixPath(name).parent for name in self._names}):
             folder = self.path / parent
-            if parent != ".":
+            if parent.parts:
                 disk.refuse_link(folder)
             if os.path.lexists(folder):
-                taken = _names_like(of_parent, folder)
-                found += [(PurePosixPath(parent) / name).as_posix() for name in taken]
-        return found
+                _refuse_closed(folder)
+        # Also links that lead nowhere, which Path.glob passes over.
+        found = (glob.glob(pattern, root_dir=self.path) for pattern in self._names)  # noqa: PTH207
+        return sorted({Path(name).as_posix() for name in chain(*found)})
 
     def _refuse_others(self, names: Iterable[str]) -> None:
         """Refuse to replace what others wrote, telling of every such file."""
@@ -231,9 +229,9 @@ class OutputFolder(Folder):
                 fix += ", or replace it with --force"
             if code:
                 problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
-        if len(problems) > _TOLD:
-            more = f"{problems[_TOLD].message}; the same holds for {len(problems) - _TOLD - 1} more files"
-            problems = [*problems[:_TOLD], replace(problems[_TOLD], message=more)]
+        if len(problems) > _MOST_NAMED:
+            more = f"{problems[_MOST_NAMED].message}; the same holds for {len(problems) - _MOST_NAMED - 1} more files"
+            problems = [*problems[:_MOST_NAMED], replace(problems[_MOST_NAMED], message=more)]
         if problems:
             raise data_error(problems)
 
@@ -287,8 +285,7 @@ class OutputFolder(Folder):
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
             disk.refuse_link(self._own)
-            if not os.access(self.path, os.W_OK | os.X_OK):
-                raise disk.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
+            _refuse_closed(self.path)
         except OSError as error:
             raise disk.cannot_write(error, self.path) from None
         except ValueError as error:
@@ -303,45 +300,36 @@ class OutputFolder(Folder):
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
-            raise _busy(_me(), self.path)
+            raise _busy(self.path, _this_run())
         try:
-            # Not for ever: some network file systems give a file another number each time.
-            tried = (self._open_lock(path, last=again == 19) for again in range(20))
-            self._lock, self._key = next((handle for handle in tried if handle >= 0), -1), key
+            handle = self._open_lock(path)
+            for _ in range(
+                20
+            ):  # not for ever: some network file systems give a file another number each time
+                if _file_key(path) == _file_key(handle):
+                    break
+                os.close(handle)  # its owner removed it meanwhile
+                handle = self._open_lock(path)
+            self._lock, self._key = handle, key
+            os.ftruncate(handle, 0)
+            os.write(handle, _this_run().encode(errors="replace"))
         except OSError as error:
             raise disk.cannot_write(error, path) from None
         _held.add(key)
 
-    def _open_lock(self, path: Path, *, last: bool) -> int:
-        """Return the lock, open and ours; -1 where its owner removed it meanwhile."""
+    def _open_lock(self, path: Path) -> int:
+        """Return the lock, open and held by this process."""
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
         try:
-            handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+            handle = os.open(path, flags, 0o666)
         except FileNotFoundError:  # a run that was refused has just taken its empty folder away
             self._own.mkdir(parents=True, exist_ok=True)
-            return -1
-        try:
-            busy = False
-            try:
-                sure = _lock_file(handle)
-            except BlockingIOError:
-                busy = sure = True
-            holder = _holder(os.read(handle, 4096))
-            # Of another machine nothing can be known; here, a lock that could be taken was left by the dead.
-            busy = busy or holder.get("host", platform.node()) != platform.node()
-            busy = busy or (bool(holder) and not sure and _is_alive(holder))
-            there = last or _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino)
-            if not busy and there:
-                os.ftruncate(handle, 0)
-                os.lseek(handle, 0, os.SEEK_SET)
-                os.write(handle, json.dumps(_me()).encode())
-                return handle
-        except BaseException:
+            handle = os.open(path, flags, 0o666)
+        if not _lock_file(handle):
+            run = os.read(handle, 4096).decode(errors="replace")
             os.close(handle)
-            raise
-        os.close(handle)
-        if busy:
-            raise _busy(holder, self.path)
-        return -1
+            raise _busy(self.path, run)
+        return handle
 
     def _release(self) -> None:
         if self._lock >= 0:
@@ -358,87 +346,41 @@ class OutputFolder(Folder):
             self._own.rmdir()
 
 
-def _names_like(patterns: Sequence[str], folder: Path) -> list[str]:
-    """Return the names of files that patterns allow in a folder, which must be one that takes files."""
-    reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
-    if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-        raise disk.cannot_write(OSError(reason, os.strerror(reason)), folder)
-    names = sorted(path.name for path in folder.iterdir())
-    return [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
+def _refuse_closed(folder: Path) -> None:
+    """Refuse a folder that takes no files."""
+    number = errno.EACCES if folder.is_dir() else errno.ENOTDIR
+    if number == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
+        raise disk.cannot_write(OSError(number, os.strerror(number)), folder)
 
 
-def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
-    command = f": `{holder['command']}`" if holder.get("command") else ""  # last, for it may be long and cut
-    since = f", since {holder['started']}" if "started" in holder else ""
-    host = holder.get("host", platform.node())
-    where = "" if host == platform.node() else f" on {host}"
+def _busy(folder: Path, run: str) -> DataError:
     fix = "wait until it has ended, or choose another folder"
-    if where:
-        fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
-    why = f"another run works in this folder, process {holder.get('pid', '?')}{where}{since}{command}"
-    return disk.not_written(folder, why, fix, "RF152")
+    return disk.not_written(folder, f"another run works in this folder, {run}", fix, "RF152")
 
 
-def _me() -> dict[str, Any]:
-    return {
-        "pid": os.getpid(),
-        "host": platform.node(),
-        "command": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "process_start": _process_start(os.getpid()),
-    }
-
-
-def _holder(text: bytes) -> dict[str, Any]:
-    """Return what a lock says of its owner; nothing for one that was never finished."""
-    with suppress(ValueError):
-        if isinstance(tree := json.loads(text), dict):
-            return tree
-    return {}
+def _this_run() -> str:
+    """Return process, machine, start and command of this run; the command last, for it may be long."""
+    started = datetime.now(UTC).isoformat(timespec="seconds")
+    command = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
+    return f"process {os.getpid()} on {platform.node()}, since {started}: `{command}`"
 
 
 def _lock_file(handle: int) -> bool:
-    """Lock an open file for this process; return whether the system knows locks here."""
+    """Return whether a file is locked for this process now, or the system knows no locks here."""
     if sys.platform == "win32":
-        return False
+        return True
     try:
         # Not flock: that lock would go on with every worker process that was forked from this one.
         fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        if error.errno in {errno.EACCES, errno.EAGAIN}:
-            raise BlockingIOError(error.errno, error.strerror) from None
-        if error.errno in _NO_LOCKS:
-            return False
-        raise
+        return error.errno not in {errno.EACCES, errno.EAGAIN}
     return True
 
 
-def _is_alive(holder: Mapping[str, Any]) -> bool:
-    """Return whether the process that a lock names still runs; another with its number does not count."""
-    pid = holder.get("pid")
-    if not isinstance(pid, int) or pid <= 0:
-        return False
+def _file_key(file: Path | int) -> tuple[int, int] | None:
+    """Return what identifies a file, or an open one, under all its names; None if there is none."""
     try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass
-    return bool(_process_start(pid) == holder.get("process_start", ""))
-
-
-def _process_start(pid: int) -> str:
-    """Return when a process started, in the system's own count; "" where that cannot be known."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
-    except (OSError, IndexError, ValueError):
-        return ""
-
-
-def _file_key(path: Path) -> tuple[int, int] | None:
-    """Return what identifies a file under all its names; None if there is none."""
-    try:
-        found = path.stat()
+        found = os.stat(file)  # noqa: PTH116  (an open one too)
     except (OSError, ValueError):
         return None
     return found.st_dev, found.st_ino

@@ -30,12 +30,12 @@ def visible(text: str) -> str:
 
     Line breaks and tabs stay.
     """
-    return _UNSEEN.sub(lambda found: _escape(found[0]), text)
+    return _UNSEEN.sub(_escape, text)
 
 
 def json_escaped(text: str) -> str:
     r"""Return a JSON document that UTF-8 can hold: halves of surrogate pairs, of odd file names, as escapes."""
-    return _LONE.sub(lambda found: _escape(found[0]), text)
+    return _LONE.sub(_escape, text)
 
 
 def json_document(tree: Any) -> str:
@@ -69,9 +69,8 @@ def from_spreadsheet(cell: str) -> str:
     return cell[1:] if _WRITTEN.match(cell) else cell
 
 
-def _escape(character: str) -> str:
-    code = ord(character)
-    return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
+def _escape(found: re.Match[str]) -> str:
+    return found[0].encode("unicode_escape").decode()
 
 
 MEASURED_DIGITS = 9

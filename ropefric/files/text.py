@@ -100,20 +100,17 @@ class Source:
 def _inflated(packed: Iterator[bytes]) -> Iterator[bytes]:
     """Yield what gzip has packed, a block at most at a time; a file may have several members and zeros at its end."""
     unpacker = zlib.decompressobj(_GZIP)
-    for rest in chain(packed, (b"",)):
-        is_end = not rest
-        while rest or is_end:
+    for block in packed:
+        rest = block
+        while rest:
             if unpacker.eof:
-                rest = rest.lstrip(b"\0")  # noqa: PLW2901
+                rest = rest.lstrip(b"\0")
                 if not rest:
                     break
                 unpacker = zlib.decompressobj(_GZIP)
-            block = unpacker.decompress(rest, BLOCK_BYTES)
-            if block:
-                yield block
-            elif not rest:
-                break
-            rest = unpacker.unused_data or unpacker.unconsumed_tail  # noqa: PLW2901
+            yield unpacker.decompress(rest, BLOCK_BYTES)
+            rest = unpacker.unused_data or unpacker.unconsumed_tail
+    yield unpacker.flush()  # some kilobytes at most
     if not unpacker.eof:
         raise zlib.error("the end is missing")
 

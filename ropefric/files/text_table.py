@@ -350,40 +350,27 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
     row of words above it, with a row of units allowed between. Rows further up are a preamble.
     """
-    last = [split_line(line, separator) for line in [*filter(str.strip, lines)][-_N_SAMPLE:]]
-    few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
-    for n_lines in (few, len(lines)):
-        rows = [split_line(line, separator) for line in lines[:n_lines]]
-        if found := _search(rows, last, layout):
-            return found
-    raise _no_data(rows, layout, source)
-
-
-def _search(
-    rows: Sequence[Sequence[str]], last: Sequence[Sequence[str]], layout: TableLayout
-) -> HeadRows | None:
+    rows = [split_line(line, separator) for line in lines]
     inked = [number for number, row in enumerate(rows, start=1) if any(row)]
     after = layout.last_head_row
     if layout.data_row or layout.header_row >= 0:
         first = layout.data_row or after + 1
         data_row = next((number for number in inked if number >= first), 0)
     else:
-        typical = _typical_row(_with_numbers(last))
-        data_row = _first_data_row(rows, [number for number in inked if number > after], typical, layout)
+        data_row = _first_data_row(rows, [number for number in inked if number > after], layout)
     if data_row == 0:
-        return None
+        raise _no_data(rows, layout, source)
     if layout.header_row >= 0:
         return HeadRows(layout.header_row, layout.units_row, data_row)
     return HeadRows(*_words_above(rows, inked, data_row, layout), data_row)
 
 
-def _first_data_row(
-    rows: Sequence[Sequence[str]], below: Sequence[int], typical: Sequence[str], layout: TableLayout
-) -> int:
+def _first_data_row(rows: Sequence[Sequence[str]], below: Sequence[int], layout: TableLayout) -> int:
     """Return the first row that holds numbers wherever a typical row does, or nothing but numbers.
 
     A row above a line of words, or above `key=value`, is no data: the table begins further down.
     """
+    typical = _typical_row(_with_numbers([rows[number - 1] for number in below[-_N_SAMPLE:]]))
     is_numeric = [is_value(cell) or not cell for cell in typical]  # no word where nothing is, either
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()

@@ -480,15 +480,6 @@ def _unreadable(
     return _result(campaign, spec, breakaway, (*problems, *of_error), **more)
 
 
-def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | None, Calibration | None]:
-    """Return how the counts or volts of both sides become forces."""
-    of_pull, of_slack = (
-        Calibration(cell=campaign.cells[name], adc=campaign.adc) if name else None
-        for name in (spec.cell, spec.end_cell)
-    )
-    return of_pull, of_slack
-
-
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, tuple[Problem, ...]]:
@@ -496,7 +487,10 @@ def tared_trace(
 
     A force that only goes down was recorded with its sign reversed; it is reversed, with a note.
     """
-    of_pull, of_slack = calibrations(campaign, spec)
+    of_pull, of_slack = (
+        Calibration(cell=campaign.cells[name], adc=campaign.adc) if name else None
+        for name in (spec.cell, spec.end_cell)
+    )
     trace = assemble_trace(
         raw, campaign.profile, calibration=of_pull, end_calibration=of_slack, tare_s=campaign.tare_interval_s
     )

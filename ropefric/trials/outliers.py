@@ -175,22 +175,18 @@ def chauvenet_limit(n: int) -> float:
     return NormalDist().inv_cdf(1.0 - 1.0 / (4.0 * max(n, 1)))
 
 
-def grubbs_critical_value(n: int, alpha: float = 0.05, *, sides: int = 2) -> float:
-    """Return the critical value of Grubbs' statistic max |x − mean|/s; infinite for fewer than 3 values.
+def grubbs_critical_value(n: int) -> float:
+    """Return the two-sided 5 % critical value of Grubbs' statistic max |x − mean|/s; infinite for fewer than 3 values.
 
-    G = (n − 1)/√n · √(t²/(n − 2 + t²)), with t the upper α/(sides·n) quantile of Student's distribution with
+    G = (n − 1)/√n · √(t²/(n − 2 + t²)), with t the upper 0.05/(2n) quantile of Student's distribution with
     n − 2 degrees of freedom. Source: ASTM E178; Grubbs, Technometrics 11 (1969) 1.
     """
-    if not 0.0 < alpha < 1.0 or sides not in {1, 2}:
-        message = f"no critical value for alpha = {alpha:g} and {sides} sides"
-        fix = "choose alpha between 0 and 1, for example 0.05, and 1 or 2 sides"
-        raise InputError(message, code="RF312", fix=fix)
     if n < 3:
         return math.inf
     # Loaded here, because every command lists the rules when it starts, and few apply this one.
     from scipy.special import stdtrit  # noqa: PLC0415
 
-    t = -float(stdtrit(n - 2, alpha / (sides * n)))
+    t = -float(stdtrit(n - 2, 0.05 / (2 * n)))
     return (n - 1) / math.sqrt(n) * math.sqrt(t * t / (n - 2 + t * t))
 
 

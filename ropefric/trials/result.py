@@ -39,10 +39,6 @@ class Outline:
     high_N: FloatArray
     smoothed_N: FloatArray
 
-    def __post_init__(self) -> None:
-        if len({curve.shape for curve in (self.time_s, self.low_N, self.high_N, self.smoothed_N)}) > 1:
-            raise ValueError("the curves differ in length")
-
 
 BINS, DIGITS = 300, 6
 """Of an outline, and of its numbers."""
@@ -53,10 +49,8 @@ def draw_outline(trace: ForceTrace) -> Outline | None:
 
     Numbers are rounded to six digits: no eye sees more.
     """
-    time_s, force_N = trace.time_s, trace.force_N
-    present = np.isfinite(force_N)
-    if not present.all():
-        time_s, force_N = time_s[present], force_N[present]
+    present = np.isfinite(trace.force_N)
+    time_s, force_N = trace.time_s[present], trace.force_N[present]
     if force_N.size == 0:
         return None
     n_bins = min(BINS, force_N.size)
@@ -313,7 +307,7 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
     first, usable = trials[0], [trial for trial in trials if trial.usable]
     series = summarise([trial.breakaway.peak_N for trial in usable], rule)
     rejected = tuple(usable[place].trial for place in series.rejected)
-    measured = _of_measured_tension(usable)
+    measured = [one for one in usable if not math.isnan(one.end_tension_set_N)]  # not only hung
     known_N, mean_N = first.known_N, series.mean_kept
     end_N, lift_N = (mean_N, known_N) if first.measures_slack else (known_N, mean_N)
     summary = ConditionSummary(
@@ -339,11 +333,6 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
     )
     problems = (*series.problems, *_not_as_hung(measured))
     return summary, (replace(one, message=f"{settings_of(first)}: {one.message}") for one in problems)
-
-
-def _of_measured_tension(trials: Sequence[TrialResult]) -> list[TrialResult]:
-    """Return the trials whose end tension was measured, beside what was hung."""
-    return [one for one in trials if not math.isnan(one.end_tension_set_N)]
 
 
 def settings_of(trial: TrialResult) -> str:

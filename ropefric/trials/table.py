@@ -55,7 +55,7 @@ _FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
 _FAR, _TYPICAL_SCATTER = 4.0, 0.02
 _HASH_DIGITS = 64
 # Warnings about single rows; beyond, only their number.
-_MOST_TOLD = 20
+_MOST_NAMED = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -479,19 +479,19 @@ def _rows_twice(
 ) -> Iterator[Problem]:
     """Yield a warning for rows that agree in every number: measured twice alike, or pasted twice."""
     values = np.stack([numbers[name] for name in _REQUIRED], axis=-1)
-    rows = np.flatnonzero(kept & ~np.isnan(values).any(axis=1))
-    if not rows.size:
-        return
-    order = rows[np.lexsort(values[rows].T)]  # stable: the first of equal rows comes first
-    same = np.append(False, (values[order[1:]] == values[order[:-1]]).all(axis=1))
-    begins = np.maximum.accumulate(np.where(same, 0, np.arange(order.size)))
-    pairs = sorted(zip(order[same].tolist(), order[begins[same]].tolist(), strict=True))
-    fix = "remove the row if it was pasted twice: it would count as a repeat"
-    for row, earlier in pairs[:_MOST_TOLD]:
-        message = f"all numbers are those of line {table.rows[earlier][0]}"
-        yield table.problem(table.rows[row][0], "", "RF122", message, fix, warning=True)
-    if len(pairs) > _MOST_TOLD:
-        message = f"{len(pairs) - _MOST_TOLD} more rows have all the numbers of an earlier one"
+    first: dict[tuple[float, ...], int] = {}
+    fix, n_more = "remove the row if it was pasted twice: it would count as a repeat", -_MOST_NAMED
+    for place in np.flatnonzero(kept & ~np.isnan(values).any(axis=1)).tolist():
+        line, _ = table.rows[place]
+        earlier = first.setdefault(tuple(values[place].tolist()), line)
+        if earlier == line:
+            continue
+        n_more += 1
+        if n_more <= 0:
+            message = f"all numbers are those of line {earlier}"
+            yield table.problem(line, "", "RF122", message, fix, warning=True)
+    if n_more > 0:
+        message = f"{n_more} more rows have all the numbers of an earlier one"
         yield table.problem(None, "", "RF122", message, fix, warning=True)
 
 

@@ -18,7 +18,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
 from ropefric.files.disk import kind_of_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
-from ropefric.friction.condition import condition_groups, distinct
+from ropefric.friction.condition import condition_groups
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.trials import cells
@@ -102,16 +102,15 @@ class _Row:
 
     def doubt(self, name: str, code: str, message: str, fix: str) -> None:
         """Record an error of a decision at its place."""
-        if self.decided is not None:
+        if self.decided is None:
+            self.say(name, code, message, fix)
+        else:
             decision, table = self.decided
             self.problems.append(table.problem(decision.line, name, code, message, fix))
-        else:
-            key = self.columns[name].header if name in self.columns else name
-            self.problems.append(self.table.problem(self.line, key, code, message, fix))
 
     def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
         """Record an error of a column."""
-        key = self.columns[name].header
+        key = self.columns[name].header if name in self.columns else name
         self.problems.append(self.table.problem(self.line, key, code, message, fix, warning=warning))
 
     def need(self, *names: str) -> None:
@@ -140,10 +139,15 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
     decided = DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
-    if not torn:
-        problems += _no_trials(table)
+    if not torn and not table.rows:
+        message, fix = "the table has a header, but no trials", "add a row for every recording"
+        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
-    rows = _named_rows(table, columns, numbers, context.folder)
+    rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
+    _refuse_twice(rows)
+    if context.folder is not None:
+        _refuse_missing(rows, context.folder)
+    _name(rows)
     if Path(path).name != DECISIONS:
         problems += _decide(rows, Path(path).with_name(DECISIONS))
     trials, bad = list[TrialSpec](), list[TrialSpec]()
@@ -159,12 +163,6 @@ def _of_campaign(problem: Problem) -> Problem:
     """Return a problem of a list that is not there as one of the campaign file, which names it."""
     fix = "check the path, relative to the campaign file"
     return replace(problem, fix=fix) if "no such file" in problem.message else problem
-
-
-def _no_trials(table: cells.CellTable) -> Iterator[Problem]:
-    if not table.rows:
-        message, fix = "the table has a header, but no trials", "add a row for every recording"
-        yield table.problem(table.header_line, "", "RF101", message, fix)
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
@@ -183,18 +181,6 @@ def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
             yield table.problem(decision.line, "file", "RF111", message, fix)
         else:
             row.decide(decision, table)
-
-
-def _named_rows(
-    table: cells.CellTable, columns: cells.Columns, numbers: cells.Numbers, folder: Path | None
-) -> list[_Row]:
-    """Return the rows, each with a name of its own, and contradictions between them."""
-    rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
-    _refuse_twice(rows)
-    if folder is not None:
-        _refuse_missing(rows, folder)
-    _name(rows)
-    return rows
 
 
 def _check_header(
@@ -416,7 +402,7 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
     """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
     warn = partial(Problem, path=path, severity="warning")
-    doubts = [*_doubts(trials, warn), *_unseen_effects(used, warn), *_nothing_hung(used, warn)]
+    doubts = [*_doubts(trials, warn), *_nothing_hung(used, warn)]
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
         doubts += _few_repeats(used, warn)
     return tuple(sorted(doubts, key=lambda doubt: (doubt.line or 0, doubt.code, doubt.key)))
@@ -487,21 +473,6 @@ def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]
         message += f"{counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
         fix = "add the column end_tension_N with what was set; what was measured is still what counts"
         yield warn(code="RF310", message=message, line=unsaid[0].line, key="end_tension", fix=fix)
-
-
-def _unseen_effects(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    names = (
-        ("wheel_radius", "ratio of wheel and rope radius", "size"),
-        ("wrap_angle", "wrap angle", "wrap angle"),
-        ("end_tension", "tension", "tension"),
-    )
-    for (key, name, effect), values in zip(names, _settings(trials), strict=False):
-        if key == "end_tension" and any(one.end_tension_N is one.lift_force_N is None for one in trials):
-            continue  # it is measured
-        if len(trials) > 1 and distinct(values).size == 1:
-            message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
-            fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
-            yield warn(code="RF311", message=message, key=key, fix=fix)
 
 
 # --- a list of trials from the names of the recordings ---

@@ -4,7 +4,6 @@ import errno
 import hashlib
 import json
 import os
-import platform
 import signal
 import subprocess
 import sys
@@ -268,7 +267,9 @@ with OutputFolder(sys.argv[1], family="campaign", names=["*.txt"], basis="a.txt"
 """
 
 
-@pytest.mark.parametrize("at", [1, 2, 3])
+@pytest.mark.parametrize(
+    "at", [pytest.param(1, marks=pytest.mark.slow), 2, pytest.param(3, marks=pytest.mark.slow)]
+)
 def test_after_a_kill_every_file_is_whole_and_the_next_run_goes_on(out, at):
     put(out, {"a.txt": "old", "b.txt": "old", "gone.txt": "old"}, basis="a.txt")
     done = subprocess.run([sys.executable, "-c", STOPPED, str(out), str(at)], check=False)
@@ -347,7 +348,9 @@ def holder(out):
 
 
 def test_a_second_run_is_told_of_the_first(out, holder):
-    with pytest.raises(DataError, match=rf"process {holder.pid}, since 20.*: `ropefric run that`") as caught:
+    with pytest.raises(
+        DataError, match=rf"process {holder.pid} on .+, since 20.*: `ropefric run that`"
+    ) as caught:
         put(out, {"a.txt": "new"}, force=True)
     assert caught.value.code == "RF152"
     holder.communicate("")
@@ -382,45 +385,17 @@ def test_two_runs_in_one_process_are_two(out):
     put(out, {"a.txt": "new"})
 
 
-def leave_lock(out, **said):
-    (out / OWN).mkdir(parents=True, exist_ok=True)
-    (out / OWN / "lock").write_text(json.dumps(said), encoding="utf-8")
-
-
-def test_a_lock_of_another_machine_says_how_to_remove_it(out):
-    leave_lock(out, host="elsewhere", pid=1, command="ropefric run that", started="2026-01-01T00:00:00+00:00")
-    with pytest.raises(DataError, match="process 1 on elsewhere") as caught:
-        put(out, {"a.txt": "new"})
-    assert f"delete {(out / OWN / 'lock').as_posix()}" in caught.value.fix
-    (out / OWN / "lock").unlink()
+def test_a_lock_that_nobody_holds_or_that_the_system_does_not_know_is_no_obstacle(out, monkeypatch):
+    (out / OWN).mkdir(parents=True)
+    (out / OWN / "lock").write_text("process 1 on elsewhere", encoding="utf-8")
     put(out, {"a.txt": "new"})
 
-
-def test_a_long_command_leaves_process_and_fix_to_be_read(out):
-    leave_lock(
-        out, host="elsewhere", pid=1, command="ropefric " + "x" * 3000, started="2026-01-01T00:00:00+00:00"
-    )
-    with pytest.raises(DataError, match="process 1 on elsewhere, since 2026"):
-        put(out, {"a.txt": "new"})
-
-
-def test_where_the_system_knows_no_locks_the_process_is_looked_for(out, monkeypatch):
     def unknown(*_):
         raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(folders.fcntl, "lockf", unknown)
-    here, start = os.getpid(), folders._process_start(os.getpid())
-    leave_lock(out, host=platform.node(), pid=here, process_start=start)
-    with pytest.raises(DataError, match="another run works"):
-        put(out, {"a.txt": "new"})
-    # The number was given to another process since; nobody's; no number.
-    for pid, process_start in ((here, "another"), (2**22 + 7, ""), (0, ""), ("x", "")):
-        leave_lock(out, host=platform.node(), pid=pid, process_start=process_start)
-        put(out, {"a.txt": "new"})
-    monkeypatch.undo()
-    leave_lock(out)
-    (out / OWN / "lock").write_text('{"host": "el', encoding="utf-8")  # never finished
-    put(out, {"a.txt": "new"})
+    put(out, {"a.txt": "newer"})
+    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
 
 
 def test_a_folder_of_others_is_refused_whatever_the_names_are(out):

@@ -114,15 +114,15 @@ def test_a_file_that_is_written_to_is_read_again_or_refused(tmp_path, monkeypatc
     path = tmp_path / "run.csv"
     path.write_bytes(b"time_s,force_N\n0,1\n")
     versions = [b"time_s,force_N\n0,1\n0.1,2\n", b"time_s,force_N\n0,1\n0.1,2\n0.2,3\n"]
-    real = disk.InputFile.part
+    real = disk.InputFile._pass
 
-    def write_meanwhile(file, start, size):
-        if versions and size > 10:
+    def write_meanwhile(file, size):
+        if versions:
             path.write_bytes(versions.pop(0))
-        return real(file, start, size)
+        return real(file, size)
 
     monkeypatch.setattr(disk, "KEPT_BYTES", 1000)
-    monkeypatch.setattr(disk.InputFile, "part", write_meanwhile)
+    monkeypatch.setattr(disk.InputFile, "_pass", write_meanwhile)
     (recording,) = read_recordings(path, ImportProfile())
     assert recording.columns["force"].tolist() == [1, 2, 3]
     versions = [b"a" * (100 + n) for n in range(100)]

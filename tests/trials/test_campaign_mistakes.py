@@ -179,6 +179,9 @@ def test_all_mistakes_in_one_pass(bench):
         ("trials.csv", "RF122", "trial"), ("trials.csv", "RF120", "wheel"),
         ("trials.csv", "RF110", "wrap_angle_deg"), ("trials.csv", "RF121", "end_tension_N")]  # fmt: skip
     assert bench.problems() == bench.problems()
+    with pytest.raises(RopefricError) as caught:
+        load_campaign(bench.path)
+    assert caught.value.problems == tuple(bench.errors())
 
 
 def test_a_wrong_protocol_says_nothing_about_tensions(bench):
@@ -194,3 +197,4 @@ def test_doubts(bench):
         bench.spoil(old, new)
         (doubt,) = [p for p in bench.warnings() if p.path.endswith("campaign.toml")]
         assert ((doubt.code, doubt.key), bench.errors()) == ((code, key), [])
+        assert load_campaign(bench.path).warnings == bench.problems()

@@ -11,15 +11,14 @@ PULL, END = 20.0 * np.exp(0.2 * np.pi), 20.0
 TARE = '[tare]\ninterval = ["0 s", "0.25 s"]\n'
 
 
-def two_channels(lab, settings, *, pull=(1.0, 0.0), end=(1.0, 0.0), n=2, names=("pull", "slack"), **cells):
-    """Write pulls with a slack side that hangs free for 0.25 s: each channel by its scale and offset."""
-    for i in range(n):
-        time_s, pull_N, end_N = recording(END, np.pi, seed=i)
-        idle = time_s < 0.28
-        end_N = np.where(idle, end_N - np.interp(time_s, [0.0, 1.3], [0.7 * END, END]), end_N)
-        columns = dict(zip(names, (pull_N * pull[0] + pull[1], end_N * end[0] + end[1]), strict=True))
-        lab.record(f"p{i}.csv", t=time_s, **columns)
-    return lab.write([lab.row(f"p{i}.csv", **cells) for i in range(n)], settings)
+def two_channels(lab, settings, *, pull=(1.0, 0.0), end=(1.0, 0.0), names=("pull", "slack"), **cells):
+    """Write a pull with a slack side that hangs free for 0.25 s: each channel by its scale and offset."""
+    time_s, pull_N, end_N = recording(END, np.pi)
+    idle = time_s < 0.28
+    end_N = np.where(idle, end_N - np.interp(time_s, [0.0, 1.3], [0.7 * END, END]), end_N)
+    columns = dict(zip(names, (pull_N * pull[0] + pull[1], end_N * end[0] + end[1]), strict=True))
+    lab.record("p.csv", t=time_s, **columns)
+    return lab.write([lab.row("p.csv", **cells)], settings)
 
 
 def channels(force, end=""):
@@ -59,18 +58,18 @@ def test_every_channel_is_scaled_and_tared_alike(lab, settings, pull, end, cells
     two_channels(lab, TARE + settings, pull=pull, end=end, **cells)
     assert not [one for one in check_campaign(lab.path) if one.severity == "error"]
     peaks_N, ends_N = forces(lab)
-    assert peaks_N == pytest.approx([PULL] * 2, rel=5e-3)
-    assert ends_N == pytest.approx([END] * 2, abs=0.1)
+    assert peaks_N == pytest.approx([PULL], rel=5e-3)
+    assert ends_N == pytest.approx([END], abs=0.1)
 
 
 def test_a_channel_may_have_its_own_tare_or_none(lab):
     newtons = channels('column = "pull", unit = "N"', 'column = "slack", unit = "N", tare = "none"')
     two_channels(lab, TARE + newtons, pull=(1, 3), end=(1, 2))
     peaks_N, ends_N = forces(lab)
-    assert (peaks_N, ends_N) == (pytest.approx([PULL] * 2, rel=5e-3), pytest.approx([END + 2] * 2, abs=0.1))
+    assert (peaks_N, ends_N) == (pytest.approx([PULL], rel=5e-3), pytest.approx([END + 2], abs=0.1))
     own = newtons.replace('"none"', '["0.05 s", "0.2 s"]')
     two_channels(lab, own, pull=(1, 3), end=(1, 2))
-    assert forces(lab)[1] == pytest.approx([END] * 2, abs=0.1)
+    assert forces(lab)[1] == pytest.approx([END], abs=0.1)
 
 
 def test_a_slack_side_that_was_loaded_in_the_tare_interval_is_told(lab):
@@ -108,7 +107,7 @@ def test_a_unit_against_the_header_is_an_error_of_check_that_shows_both(lab, nam
     two_channels(
         lab, channels(f'column = "{name}", {force}, instead_of = "{both[1]}"'), names=(name, "slack")
     )
-    assert forces(lab)[0] == pytest.approx([PULL] * 2, rel=5e-3)
+    assert forces(lab)[0] == pytest.approx([PULL], rel=5e-3)
 
 
 def test_a_mass_in_the_header_may_be_read_as_its_weight(lab):
@@ -118,7 +117,7 @@ def test_a_mass_in_the_header_may_be_read_as_its_weight(lab):
         names=("Load (kg)", "slack"),
         pull=(1 / 9.80665, 0),
     )
-    assert forces(lab)[0] == pytest.approx([PULL] * 2, rel=5e-3)
+    assert forces(lab)[0] == pytest.approx([PULL], rel=5e-3)
 
 
 @pytest.mark.parametrize("cells", [{}, {"cell": "K1"}])
@@ -135,7 +134,7 @@ def test_the_cell_of_the_other_side_says_nothing_of_a_force(lab):
     settings = channels('column = "pull", unit = "N"', 'column = "slack", unit = "V"')
     settings += '[cells.K2]\nfull_scale = "25 N"\n'
     two_channels(lab, settings, end=(5 / 25, 0.0), end_cell="K2")
-    assert forces(lab)[0] == pytest.approx([PULL] * 2, rel=5e-3)
+    assert forces(lab)[0] == pytest.approx([PULL], rel=5e-3)
 
 
 def test_three_readings_of_a_slow_sensor_are_a_tare(lab):

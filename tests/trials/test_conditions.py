@@ -121,7 +121,7 @@ FORCES_N = st.lists(st.floats(50, 500), min_size=1, max_size=25)
 
 
 @given(FORCES_N, st.sampled_from(["two-sigma", "grubbs", "chauvenet", "mad", "none"]))
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 def test_the_summary_is_that_of_the_flags(values_N, rule):
     given_trials = series(values_N)
     trials, (condition,), _ = summarise_conditions(given_trials, rule)

@@ -4,7 +4,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError, UnknownNameError
@@ -12,6 +12,7 @@ from ropefric.trials.outliers import RULES, chauvenet_limit, grubbs_critical_val
 
 MECMESIN = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
 SERIES = st.lists(st.integers(-50, 50), min_size=0, max_size=25)
+FEW = settings(max_examples=40)
 
 
 def test_the_default_comes_first():
@@ -39,6 +40,7 @@ def exact_z_squared(values):
     return [(v - mean) ** 2 / variance for v in exact] if variance else None
 
 
+@FEW
 @given(SERIES, st.sampled_from([0.0, 1e9, -1e9]), st.sampled_from([1.0, 2.0**-10, 2.0**600, 2.0**-900]))
 def test_two_sigma_is_exact_at_any_offset_and_scale(steps, offset, scale):
     values = [(offset + step / 1024) * scale for step in steps]
@@ -54,6 +56,7 @@ def test_a_value_on_the_limit_is_inside():
         assert not RULES["two-sigma"].flag(values * factor + 7 * factor).any()
 
 
+@FEW
 @given(SERIES)
 def test_chauvenet_against_its_definition(steps):
     assume(len(steps) > 2)
@@ -63,6 +66,7 @@ def test_chauvenet_against_its_definition(steps):
     assert RULES["chauvenet"].flag(steps).tolist() == ([e < 0.5 for e in expected] or [False] * len(steps))
 
 
+@FEW
 @given(SERIES)
 def test_grubbs_against_its_definition(steps):
     assume(len(steps) > 2)
@@ -75,6 +79,7 @@ def test_grubbs_against_its_definition(steps):
     assert flagged == [z == max(z_squared) and math.sqrt(z) > critical for z in z_squared]
 
 
+@FEW
 @given(SERIES)
 def test_mad_against_its_definition(steps):
     assume(len(steps) > 2)
@@ -115,6 +120,7 @@ def test_what_is_refused_is_named():
             rule.flag([[1.0, 2.0]])
 
 
+@FEW
 @given(SERIES, st.integers(-64, 64).filter(bool), st.integers(-(2**40), 2**40), st.integers(-300, 300))
 def test_shift_scale_and_mirror_do_not_matter_and_the_series_is_left_alone(steps, slope, offset, exponent):
     values = np.array(steps, dtype=float)
@@ -125,12 +131,14 @@ def test_shift_scale_and_mirror_do_not_matter_and_the_series_is_left_alone(steps
     assert other.tolist() == before
 
 
+@FEW
 @given(st.lists(st.floats(-1e300, 1e300), max_size=12))
 def test_any_finite_floats_give_flags_and_never_most_of_the_series(values):
     for rule in RULES.values():
         assert 2 * rule.flag(values).sum() <= max(len(values), 1), rule.name
 
 
+@FEW
 @given(st.lists(st.floats(-1e6, 1e6), max_size=5))
 def test_two_sigma_can_never_reject_among_five(values):
     assert not RULES["two-sigma"].flag(values).any()
@@ -156,18 +164,15 @@ def test_a_rule_that_can_reject_nothing_says_so():
 # Printed numbers and independent arithmetic.
 
 
-# ASTM E178 table 1: n, upper 5 % and 2.5 % significance levels
-E178 = [
-    (3, 1.153, 1.155), (4, 1.463, 1.481), (5, 1.672, 1.715), (6, 1.822, 1.887), (7, 1.938, 2.020), (8, 2.032, 2.126),
-    (9, 2.110, 2.215), (10, 2.176, 2.290), (12, 2.285, 2.412), (15, 2.409, 2.549), (20, 2.557, 2.709),
-    (30, 2.745, 2.908),
-]  # fmt: skip
+# ASTM E178 table 1: n, upper 2.5 % significance level
+E178 = {3: 1.155, 4: 1.481, 5: 1.715, 6: 1.887, 7: 2.020, 8: 2.126, 9: 2.215, 10: 2.290, 12: 2.412, 15: 2.549,
+    20: 2.709, 30: 2.908}  # fmt: skip
 
 
 def test_grubbs_critical_values_as_printed_and_against_mpmath():
-    for n, one_sided, two_sided in E178:
-        assert grubbs_critical_value(n, sides=1) == pytest.approx(one_sided, abs=1.01e-3), n
-        assert grubbs_critical_value(n, sides=2) == pytest.approx(two_sided, abs=1.01e-3), n
+    assert grubbs_critical_value(2) == math.inf
+    for n, printed in E178.items():
+        assert grubbs_critical_value(n) == pytest.approx(printed, abs=1.01e-3), n
     for n in (3, 6, 17, 100):  # P(|t| > t_c) from the incomplete beta function must be α/n
         g = mpmath.mpf(grubbs_critical_value(n))
         # invert G(t): t² = G² n (n−2) / ((n−1)² − n G²)
@@ -178,19 +183,13 @@ def test_grubbs_critical_values_as_printed_and_against_mpmath():
         assert float(tail) == pytest.approx(0.05 / n, rel=1e-9), n
 
 
-def test_grubbs_refuses_impossible_levels():
-    assert grubbs_critical_value(2) == math.inf
-    for alpha, sides in ((0.0, 2), (1.0, 2), (math.nan, 2), (0.05, 3)):
-        with pytest.raises(InputError, match="no critical value"):
-            grubbs_critical_value(10, alpha, sides=sides)
-
-
 def test_chauvenet_limits_as_printed():
     # Taylor (1997) works n = 6: 1.73 and n = 10: 1.96
     assert chauvenet_limit(6) == pytest.approx(1.73, abs=5e-3)
     assert chauvenet_limit(10) == pytest.approx(1.96, abs=5e-3)
 
 
+@FEW
 @given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=20), st.sampled_from([0.0, 1e9, 1e12]))
 def test_mean_and_scatter_against_fractions(values, offset):
     shifted = [v + offset for v in values]
@@ -204,21 +203,3 @@ def test_mean_and_scatter_against_fractions(values, offset):
             variance = sum((v - mean) ** 2 for v in exact) / (len(exact) - 1)
             std = mpmath.sqrt(mpmath.mpf(variance.numerator) / variance.denominator)
         assert series.std() == pytest.approx(float(std), rel=1e-13, abs=1e-300)
-
-
-@pytest.mark.parametrize("name", ["two-sigma", "chauvenet", "grubbs"])
-def test_good_trials_lost_on_average_against_simulated_series(name):
-    """Of 20 000 clean normal series; the average is known to 0.01 at most."""
-    rule = RULES[name]
-    for n in (5, 8, 30):
-        series = np.random.default_rng(n).standard_normal((20_000 if name != "grubbs" else 4_000, n))
-        about = series - series.mean(axis=1, keepdims=True)
-        if name == "grubbs":
-            lost = np.array([rule.judge(row) for row in about]).sum(axis=1).mean()
-        else:
-            limit = 2.0 if name == "two-sigma" else chauvenet_limit(n)
-            lost = (np.abs(about) > limit * series.std(axis=1, ddof=1, keepdims=True)).sum(axis=1).mean()
-        assert rule.good_lost(n) == pytest.approx(lost, abs=0.02)
-        # A series that loses one may lose two.
-        shares = {size: share for size, _, share in rule.trimming}
-        assert rule.good_lost(n) >= shares[n] - 0.003

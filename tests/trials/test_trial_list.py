@@ -174,13 +174,6 @@ def listed(bench):
     return listed
 
 
-def test_effects_that_cannot_be_seen(listed):
-    for other, unseen in (((40, 180, 120), ["wheel_radius", "wrap_angle"]),
-        ((50, 180, 80), ["end_tension", "wrap_angle"]), ((50, 360, 120), [])):  # fmt: skip
-        told = listed([(40, 180, 80), other], 6).warnings()
-        assert sorted(p.key for p in told if p.code == "RF311") == unseen
-
-
 def test_repeats_that_cannot_be_rejected(bench, listed):
     two = [(40, 180, 80), (50, 360, 120)]
     assert "RF310" not in {p.code for p in listed(two, 5).warnings()}  # by the rule of Grubbs they can

@@ -61,7 +61,7 @@ def test_the_coefficient_is_found():
 @pytest.mark.parametrize("how", [{}, {"teeth": 0.1}])
 def test_its_uncertainty_covers(how):
     wrap_rad, mu = math.pi, 0.2
-    pulls = [pick(mu, wrap_rad, seed=seed, noise_N=0.5, **how) for seed in range(20)]
+    pulls = [pick(mu, wrap_rad, seed=seed, noise_N=0.5, **how) for seed in range(12)]
     z = [(coefficient(one, wrap_rad) - mu) * wrap_rad / (one.peak_std_N / one.peak_N) for one in pulls]
     assert np.abs(np.mean(z)) < 1.0
     assert 0.3 < np.sqrt(np.mean(np.square(z))) < 1.6
@@ -109,7 +109,7 @@ def test_pairs_are_trials_that_a_law_fits(two_way, hung_N):
     assert fit["mu"].value == pytest.approx(0.18, rel=3e-3)
     assert fit.statistics.n_conditions == (3 if hung_N else fit.statistics.n_conditions)
     warned = {problem.code for problem in extraction.problems if problem.severity == "warning"}
-    assert warned <= {"RF310", "RF311"}
+    assert warned <= {"RF310"}
 
 
 def test_a_scale_of_the_sensor_cancels_and_a_weight_that_is_not_there_is_told(two_way):

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -52,19 +51,8 @@ def test_what_the_work_raises_is_raised_here_as_it_was():
     assert (caught.value.code, caught.value.fix) == ("RF101", "mend it")
 
 
-def test_with_other_threads_about_nothing_is_forked_and_the_result_is_the_same():
-    done = threading.Event()
-    thread = threading.Thread(target=done.wait)
-    thread.start()
-    try:
-        assert sorted(guarded(float, 5, jobs=2)) == [(i, float(i)) for i in range(5)]
-    finally:
-        done.set()
-        thread.join()
-
-
 def test_a_script_without_a_guard_is_not_run_again(tmp_path):
-    """Where processes are spawned, they would import it."""
+    """Where processes are spawned, as beside other threads, they would import it."""
     (tmp_path / "script.py").write_text(
         "import ropefric as rf\nimport threading\nfrom ropefric.trials.workers import guarded\n"
         "print('once', flush=True)\ndone = threading.Event()\nthreading.Thread(target=done.wait).start()\n"

@@ -21,7 +21,7 @@ from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording, profile_to_toml
-from ropefric.traces.readers.table import Table
+from ropefric.traces.readers.table import Table, WordError
 from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
@@ -258,11 +258,11 @@ def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
         except DataError as error:
             if len(indices) > 1:
                 return [array for index in indices for array in load([index])]
-            is_explained = "; " in error.problem.message  # the cell is nearly a number, not just a word
-            doubts.extend([str(error)] if is_explained or indices[0] in table.stamps else [])
+            if indices[0] in table.stamps or not isinstance(error, WordError):
+                doubts.append(str(error))
             return [None]
 
-    return load(range(len(table.names))), doubts
+    return load(range(len(table.names))), [*dict.fromkeys(doubts)]
 
 
 def _column(table: Table, index: int, array: FloatArray | None) -> ColumnSummary:

@@ -275,6 +275,10 @@ def _compare_units(name: str, channel: Channel, table: Table, index: int, source
     raise source.error(why, code="RF106", key=f"[import.channels] {name}", fix=fix)
 
 
+class WordError(DataError):
+    """A cell or column holds words where numbers are needed, not damaged numbers."""
+
+
 def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
     """Return the error for a cell that is no number, with a guess at what it is."""
     other = "," if decimal == "." else "."
@@ -297,8 +301,10 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
         why = "it looks like a date or a clock"
         fix = "export seconds since the start, or leave the column out and set [import] sampling_rate"
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    message = f"cannot read {shown!r} as a number" + (f"; {why}" if why else "")
-    return source.error(message, code="RF102", line=line, key=name, fix=fix)
+    message = f"cannot read {shown!r} as a number"
+    if not why:
+        return WordError(message, code="RF102", path=source.shown, line=line, key=name, fix=fix)
+    return source.error(f"{message}; {why}", code="RF102", line=line, key=name, fix=fix)
 
 
 def stamp_column(cells: Iterable[tuple[int, str]], name: str, dialect: Dialect, source: Source) -> FloatArray:
@@ -409,16 +415,14 @@ def array_table(
 
 
 def _real(key: str, values: np.ndarray[Any, Any], source: Source) -> FloatArray:
-    why, fix = "", ""
     if values.dtype.kind == "M":  # time stamps, from the first of them on
         first = values[~np.isnat(values)][:1]
         return np.asarray((values - first) / np.timedelta64(1, "s"), dtype=np.float64)
     if values.dtype.kind not in "iuf":
         why = f"the column holds {values.dtype} values, not real numbers"
         fix = "name another column, or save this one as numbers"
-    elif np.isinf(values).any():
+        raise WordError(why, code="RF102", path=source.shown, key=key, fix=fix)
+    if np.isinf(values).any():
         why = f"sample {int(np.argmax(np.isinf(values))) + 1} is infinite, which is no measurement"
-        fix = "save NaN where a sample is missing"
-    if why:
-        raise source.error(why, code="RF102", key=key, fix=fix)
+        raise source.error(why, code="RF102", key=key, fix="save NaN where a sample is missing")
     return values.astype(np.float64)

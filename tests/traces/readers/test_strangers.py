@@ -93,6 +93,12 @@ def test_a_column_that_breaks_off_says_where(write):
     assert any('thousands = "\'"' in doubt for doubt in found.doubts)
 
 
+def test_a_column_of_remarks_is_no_doubt(write):
+    found = inspect_file(write("Time (s),Pull [N],Remark\n" + pull("{t},{f},dry; clean")))
+    assert seen(found)[1] == PULL
+    assert not any("dry" in doubt for doubt in found.doubts)
+
+
 def test_the_zero_that_ends_a_string_of_c_is_no_damage(write):
     rows = pull("{t},{f}")
     path = write("D:\\tests\\pull 3.txt\0\r\n\r\nTime (s),Load (N)\r\n" + rows)

@@ -6,7 +6,7 @@ suffices.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
@@ -22,7 +22,7 @@ from ropefric.fitting.intervals import Rising, rising_root
 from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import SETTINGS, Conditions, as_floats
+from ropefric.friction.condition import SETTINGS, Conditions, as_floats, same_length
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
 
@@ -278,9 +278,8 @@ def _checked(
         fix = "solve for the wrap or the end tension, or fit a law with a size effect"
         raise InputError(text, key="solve_for", fix=fix)
     low, high = _range(solve_for, limits)
-    given = _same_length(
-        {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
-    )
+    lists = {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
+    given = same_length("designs", lists)
     load_N = given.pop("lift_N")
     # Every quantity is checked here, so that no search meets a bad one.
     Conditions(**given, **{target: np.array(high)})
@@ -299,16 +298,6 @@ def _range(solve_for: SolveFor, limits: tuple[float, float] | None) -> tuple[flo
         text = f"limits {low:g} to {high:g} {unit} are none"
         raise InputError(text, key="limits", fix="give 0 < low < high in SI")
     return low, high
-
-
-def _same_length(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return arrays of one length; a single value counts for all designs."""
-    try:
-        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
-    except ValueError:
-        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-        fix = "give one value each, or one for all"
-        raise InputError(f"the designs disagree in length: {lengths}", fix=fix) from None
 
 
 def _of(function: Rising, some: Rows) -> Rising:

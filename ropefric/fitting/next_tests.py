@@ -41,8 +41,6 @@ from ropefric.uncertainty.budget import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 
-# Of an interval: what twice the conditions must make of it to be worth a word.
-_NARROWER = 0.9
 # Share of the variance above which more pulls do not narrow an interval much.
 _MOSTLY = 0.5
 _CHAIN = "measuring chain"
@@ -468,20 +466,9 @@ def plan_tests(
     plan = grid.select(places[chosen])
     both = known.joined(planned.evidence(plan, repeats))
 
-    def outlook(at: Conditions, often: int = repeats) -> Outlook:
-        return _outlook(planned, known.joined(planned.evidence(at, often)), along, level)
+    def outlook(at: Conditions) -> Outlook:
+        return _outlook(planned, known.joined(planned.evidence(at, repeats)), along, level)
 
-    spread = []
-    if repeats > 1 and 2 * n_conditions <= places.size:
-        # No more pulls, over twice the conditions.
-        more, fewer = 2 * n_conditions, repeats // 2
-        candidates = planned.evidence(grid.select(places), fewer)
-        wider, _ = best_plan(Exchange(candidates, known, along, criterion=criterion), more, starts=1)
-        ratio = _ratio(outlook(grid.select(places[wider]), fewer), outlook(plan))
-        if ratio < _NARROWER:
-            text = f"{more} conditions of {fewer} pulls instead of {n_conditions} of {repeats} would make the interval "
-            text += f"{100.0 * (1.0 - ratio):.0f} % narrower: repeats do not average out the scatter between conditions"
-            spread.append(text)
     # The usual plans: about the middle of the settings, and about the first wanted condition.
     spots = (
         np.interp(getattr(wanted, name)[0], getattr(limits, name), range(size))
@@ -513,7 +500,7 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(*planned.notes, *notes, *spread, *remarks),
+        notes=(*planned.notes, *notes, *remarks),
     )
 
 

@@ -324,7 +324,7 @@ def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:
     return f"{text} (p = {surest.p_value:.2g})"
 
 
-# Laws with an offset and laws with a wrap effect need strong evidence to be told apart.
+# Strong evidence is needed to distinguish laws with an offset from laws with a wrap effect.
 _OFFSET_OR_WRAP = (
     "these conditions do not separate a constant offset from a wrap effect; a pull at a wrap near zero would"
 )

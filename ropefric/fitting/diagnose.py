@@ -48,7 +48,7 @@ class _Effect(NamedTuple):
     effect: str
     quantity: str
     experiment: str
-    untold: str = ""
+    alias: str = ""
 
 
 _EFFECTS = {
@@ -273,9 +273,9 @@ def _best_law(ranked: Comparison, chosen: Callable[[str], bool]) -> tuple[str, f
 
 def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     """Return the verdict on an effect of the settings."""
-    _, quantity, experiment, untold = _EFFECTS[title]
+    _, quantity, experiment, alias = _EFFECTS[title]
     if title not in trends.columns:
-        return Cause(title, "cannot-tell", untold or f"all conditions have one {quantity}", experiment)
+        return Cause(title, "cannot-tell", alias or f"all conditions have one {quantity}", experiment)
     line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
     supported, gains, words = _by_aicc(title, ranked, trends, line)

@@ -479,7 +479,7 @@ def plan_tests(
         outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
         for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
     )
-    remarks = [*_told(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
+    remarks = [*_determined(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
     remarks += _of_shared(planned, both, along)
     return LabPlan(
         planned=planned,
@@ -547,7 +547,7 @@ def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[
     return [f"{text}: {remedy} would not narrow the interval much"]
 
 
-def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
+def _determined(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
     """Return what the conditions tested so far can determine of the law and its parameters, and what with the plan."""
     tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
     both = tested.joined(plan)

@@ -221,8 +221,8 @@ def _fault_of_scatter(fit: FitResult) -> str:
     """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
     model, text = fit.scatter, "its scatter is none that its data could have"
     arrays: tuple[FloatArray, ...] = (model.variance, model.covariance, model.slopes)
-    told = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
-    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if told else ()
+    sizes = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
+    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if sizes else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
     known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
     if not known or (np.diag(model.covariance) < 0.0).any():
@@ -339,7 +339,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
         law, again = stored.law, _again(stored, Path(path).parent)
     except RopefricError as error:
         message = str(error)
-    except Exception as error:  # noqa: BLE001  (whatever is wrong with one file, the others are to be told of)
+    except Exception as error:  # noqa: BLE001  (one bad file must not hide the others)
         message = f"the fit cannot be made again: {type(error).__name__}: {error}"[:300]
     else:
         difference = _difference(stored, again)

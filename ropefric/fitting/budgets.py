@@ -265,7 +265,7 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
 
-    def told(item: MeasuredCondition) -> MeasuredCondition:
+    def with_scatter(item: MeasuredCondition) -> MeasuredCondition:
         mean, *others = item.measured.quantities
         if mean.repeats > 1:
             return item
@@ -273,7 +273,7 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
         side = item.measured._replace(quantities=(known, *others))
         return item._replace(measured=side, notes=(note, *item.notes))
 
-    return tuple(map(told, conditions))
+    return tuple(map(with_scatter, conditions))
 
 
 def state_condition(

@@ -324,7 +324,7 @@ def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:
     return f"{text} (p = {surest.p_value:.2g})"
 
 
-# Laws with an offset and laws with a wrap effect need strong evidence to be told apart.
+# Strong evidence is needed to distinguish laws with an offset from laws with a wrap effect.
 _OFFSET_OR_WRAP = (
     "these conditions do not separate a constant offset from a wrap effect; a pull at a wrap near zero would"
 )
@@ -388,7 +388,6 @@ class Choice:
     forced: bool
     verdict: Verdict
     doubts: tuple[str, ...]
-    rivals: tuple[FitResult, ...]
 
     @property
     def how(self) -> str:
@@ -405,7 +404,7 @@ class Choice:
     def of(self, prediction: Prediction) -> Prediction:
         """Return a prediction of one condition with this verdict; beside it what each rival answers, the same once."""
         answers = [prediction]
-        for fit in self.rivals:
+        for fit in self.fit.rivals:
             try:
                 new = predict(fit, prediction.conditions, level=prediction.level)
             except RopefricError:
@@ -435,7 +434,6 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         forced=bool(law),
         verdict=verdict_of(doubts, _why_supported(facts)),
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
-        rivals=facts.rivals,
     )
 
 

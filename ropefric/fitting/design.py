@@ -6,7 +6,7 @@ suffices.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
@@ -22,7 +22,7 @@ from ropefric.fitting.intervals import Rising, rising_root
 from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import SETTINGS, Conditions, as_floats
+from ropefric.friction.condition import SETTINGS, Conditions, as_floats, same_length
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
 
@@ -162,20 +162,20 @@ def _check_probability(fit: FitResult, probability: float | None) -> None:
         raise InputError(text, key="probability", fix=fix)
 
 
-def _lift_and_bound(
+def _mean(fit: FitResult, conditions: Conditions) -> FloatArray:
+    """Return ln F_A of the mean law, shape (n,); NaN where the law has no answer."""
+    return fit.friction_law.log_lift_of_pairs(np.tile(fit.theta, (len(conditions), 1)), conditions)
+
+
+def _bound(
     fit: FitResult, probability: float | None, conditions: Conditions, method: Method = "auto"
 ) -> FloatArray:
-    """Return ln F_A of the mean law and of what one new rope exceeds, shape (2, n); NaN where the law has no answer.
-
-    The bound is the mean law itself for None.
-    """
-    found, law = np.full((2, len(conditions)), np.nan), LiftModel(law=fit.friction_law)
-    some = law.law.answers(fit.theta, conditions)
-    if some.any():
-        chosen = conditions if some.all() else conditions.select(some)
-        found[:, some] = law.log_lift(fit.theta, chosen)
-        if probability is not None:
-            found[1, some] = lift_ends(fit, law, chosen, probability, method).pull[:, 0]
+    """Return the ln F_A that one new rope exceeds, shape (n,), for None that of the mean law; NaN likewise."""
+    found = _mean(fit, conditions)
+    some = np.flatnonzero(~np.isnan(found))
+    if probability is not None and some.size:
+        model = LiftModel(law=fit.friction_law)
+        found[some] = lift_ends(fit, model, conditions.select(some), probability, method).pull[:, 0]
     return found
 
 
@@ -204,20 +204,39 @@ def design(
         end_tension_N=end_tension_N,
     )  # fmt: skip
     _check_probability(fit, probability)
-    log_load, linear = np.log(load_N), partial(_lift_and_bound, fit, probability, method="linear")
-    target, beyond_linear = QUANTITIES[solve_for][0], np.zeros(load_N.size)
+    # The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
+    n, target, wrap = load_N.size, QUANTITIES[solve_for][0], solve_for == "wrap"
+    lows, highs = (np.full(n, max(end, _LEAST_WRAP_RAD) if wrap else math.log(end)) for end in (low, high))
+
+    def above(log_force: Callable[[Conditions], FloatArray], needed: FloatArray) -> Rising:
+        """Return how far above what designs need ln F is; −inf where the law has no answer."""
+
+        def function(x: FloatArray, rows: Rows) -> FloatArray:
+            tried = {name: values[rows] for name, values in given.items()}
+            tried[target] = x if wrap else np.exp(x)
+            return np.asarray(np.nan_to_num(log_force(Conditions(**tried)) - needed[rows], nan=-np.inf))
+
+        return function
+
+    log_load, linear = np.log(load_N), partial(_bound, fit, probability, method="linear")
+    by_mean, mean_root, everything = above(partial(_mean, fit), log_load), lows.copy(), np.arange(n)
+    in_reach = by_mean(highs, everything) >= 0.0
+    below = np.flatnonzero(in_reach & (by_mean(lows, everything) < 0.0))
+    mean_root[below] = rising_root(_of(by_mean, below), lows[below], highs[below])
+    beyond_linear = np.zeros(n)
     for _ in range(_ROUNDS):
-        needed = np.stack([log_load, log_load - beyond_linear])
-        x, status = _search(linear, needed, solve_for, (low, high), given)
+        by_bound = above(linear, log_load - beyond_linear)
+        found, status = _first_enough(by_bound, in_reach, lows, mean_root, highs)
+        x = np.where(found <= _LEAST_WRAP_RAD, low, found) if wrap else np.exp(found)
         reached = status <= DesignStatus.LOWER_LIMIT
         # The designs, and the upper limit where there is none.
         at = Conditions(**given, **{target: np.where(reached, x, high)})
-        forces, before = _lift_and_bound(fit, probability, at), beyond_linear
-        beyond_linear = np.nan_to_num((forces - linear(at))[1])
+        bound, before = _bound(fit, probability, at), beyond_linear
+        beyond_linear = np.nan_to_num(bound - linear(at))
         if np.abs(beyond_linear - before).max(initial=0.0) < _SETTLED:
             break
     with np.errstate(over="ignore"):
-        forces_N = np.exp(forces)
+        forces_N = np.exp([_mean(fit, at), bound])
     lift_N, bound_N, limit_lift_N, limit_bound_N = (
         np.where(mask, row, np.nan) for mask in (reached, ~reached) for row in forces_N
     )
@@ -228,7 +247,7 @@ def design(
         lift_force_N=lift_N,
         lower_bound_N=bound_N,
         probability=probability,
-        status=status.astype(np.int8),
+        status=status,
         limits=(low, high),
         limit_lift_N=limit_lift_N,
         limit_bound_N=limit_bound_N,
@@ -259,9 +278,8 @@ def _checked(
         fix = "solve for the wrap or the end tension, or fit a law with a size effect"
         raise InputError(text, key="solve_for", fix=fix)
     low, high = _range(solve_for, limits)
-    given = _same_length(
-        {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
-    )
+    lists = {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
+    given = same_length("designs", lists)
     load_N = given.pop("lift_N")
     # Every quantity is checked here, so that no search meets a bad one.
     Conditions(**given, **{target: np.array(high)})
@@ -282,58 +300,25 @@ def _range(solve_for: SolveFor, limits: tuple[float, float] | None) -> tuple[flo
     return low, high
 
 
-def _same_length(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return arrays of one length; a single value counts for all designs."""
-    try:
-        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
-    except ValueError:
-        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-        fix = "give one value each, or one for all"
-        raise InputError(f"the designs disagree in length: {lengths}", fix=fix) from None
+def _of(function: Rising, some: Rows) -> Rising:
+    """Return those functions of many whose rows are given."""
+    return lambda x, rows: function(x, some[rows])
 
 
-def _search(
-    lift_and_bound: Callable[[Conditions], FloatArray],
-    needed: FloatArray,
-    solve_for: SolveFor,
-    limits: tuple[float, float],
-    given: Mapping[str, FloatArray],
+def _first_enough(
+    by_bound: Rising, in_reach: BoolArray, lows: FloatArray, mean_root: FloatArray, highs: FloatArray
 ) -> tuple[FloatArray, npt.NDArray[np.int8]]:
-    """Return value and status of designs: where the mean law and the bound reach the ln forces needed (2, n).
-
-    The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
-    """
-    n, wrap, mean, bound = needed.shape[1], solve_for == "wrap", 0, 1
-    target = QUANTITIES[solve_for][0]
-    low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
-
-    def above(by: int, some: Rows) -> Rising:
-        """Return how far above what some designs need ln F_A is; −inf where the law has no answer."""
-
-        def function(x: FloatArray, i: Rows) -> FloatArray:
-            rows = some[i]
-            tried = {name: values[rows] for name, values in given.items()}
-            tried[target] = x if wrap else np.exp(x)
-            found = lift_and_bound(Conditions(**tried))[by]
-            return np.asarray(np.nan_to_num(found - needed[by, rows], nan=-np.inf))
-
-        return function
-
-    x, status = np.full(n, np.nan), np.full(n, DesignStatus.OK, dtype=np.int8)
-    lows, highs, everything = np.full(n, low), np.full(n, high), np.arange(n)
-    enough = above(bound, everything)(lows, everything) >= 0.0
-    x[enough], status[enough] = low, DesignStatus.LOWER_LIMIT
-    status[~enough & (above(mean, everything)(highs, everything) < 0.0)] = DesignStatus.OUT_OF_REACH
-    rows = np.flatnonzero(status == DesignStatus.OK)
-    root = lows[rows]
-    below = np.flatnonzero(above(mean, rows)(root, np.arange(rows.size)) < 0.0)
-    root[below] = rising_root(above(mean, rows[below]), root[below], highs[rows[below]])
-    left, right = first_crossing(above(bound, rows), root, highs[rows])
+    """Return place and status of designs: where the bound first suffices from where the mean law does."""
+    x = np.full(lows.size, np.nan)
+    status = np.where(in_reach, DesignStatus.TOO_UNCERTAIN, DesignStatus.OUT_OF_REACH).astype(np.int8)
+    enough = by_bound(lows, np.arange(lows.size)) >= 0.0
+    x[enough], status[enough] = lows[enough], DesignStatus.LOWER_LIMIT
+    rows = np.flatnonzero(in_reach & ~enough)
+    left, right = first_crossing(_of(by_bound, rows), mean_root[rows], highs[rows])
     held = ~np.isnan(right)
-    status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
     rows = rows[held]
-    x[rows] = rising_root(above(bound, rows), left[held], right[held])
-    return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x), status
+    x[rows], status[rows] = rising_root(_of(by_bound, rows), left[held], right[held]), DesignStatus.OK
+    return x, status
 
 
 class DesignChart(NamedTuple):
@@ -368,7 +353,7 @@ def design_chart(
     outside = outside_range(fit.validity, conditions).any(axis=1)
     _check_probability(fit, probability)
     with np.errstate(over="ignore"):
-        lift_N, bound_N = np.exp(_lift_and_bound(fit, probability, conditions))
+        lift_N, bound_N = np.exp([_mean(fit, conditions), _bound(fit, probability, conditions)])
     return DesignChart(
         wheel_radius_m=radii,
         wrap_angle_rad=wraps,

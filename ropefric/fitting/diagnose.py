@@ -7,7 +7,7 @@ operator, order, dwell) are judged by what they explain beside all settings.
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
@@ -48,7 +48,7 @@ class _Effect(NamedTuple):
     effect: str
     quantity: str
     experiment: str
-    untold: str = ""
+    alias: str = ""
 
 
 _EFFECTS = {
@@ -221,6 +221,11 @@ class _Trends:
         )
         return min(found, default=math.inf)
 
+    def replaces(self, title: str, other: float) -> bool:
+        """Return whether a description without one of the best trends, but with this one, would do as well."""
+        spared = (self.least(title, without=[one]) for one in self.best)
+        return title not in self.best and any(aicc < other + STRONG for aicc in spared)
+
     def line(self, title: str) -> _Line | None:
         """Return the slope of a trend beside the best description; None where nothing is left to judge it by."""
         fit, at, rise = self.law, self.means.conditions, self.rise
@@ -259,70 +264,6 @@ def _beside(columns: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
 
-class _Evidence(NamedTuple):
-    """Everything known about an effect of the settings.
-
-    The AICc of the constant law, of the best description with it and of the best without; which law is the best of each;
-    whether its trend is clear, and whether a description without what the best one has would do with it instead.
-    """
-
-    plain: float
-    best: float
-    other: float
-    having: str
-    lacking: str
-    clear: bool
-    replaces: bool
-    looks_like_offset: bool
-
-    @property
-    def judged(self) -> Supported:
-        """Return the verdict, by the first rule that applies."""
-        known = math.isfinite(self.plain) and math.isfinite(self.best)
-        gain, lead = self.plain - self.best, self.other - self.best
-        rules: tuple[tuple[bool, Supported], ...] = (
-            (not known, "cannot-tell"),
-            (lead >= STRONG, "yes"),
-            (self.clear or self.looks_like_offset, "cannot-tell"),
-            (gain < _WEAK or (lead < 0.0 and not self.replaces), "no"),
-        )
-        return next((verdict for applies, verdict in rules if applies), "cannot-tell")
-
-    @property
-    def words(self) -> Iterator[str]:
-        """Return the differences of AICc in words."""
-        gain, lead = self.plain - self.best, self.other - self.best
-        text = f"AICc of the best description with it, {self.having or 'straight trends of μ'}, is "
-        text += f"{_against(gain)} the constant law's"
-        if abs(gain - lead) > 1e-9:
-            text += f" and {_against(lead)} that of the best without it ({self.lacking or 'constant'} among the laws)"
-        yield text
-        if self.looks_like_offset:
-            text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
-            yield f"{text}, and here both fit"
-
-
-def _evidence(title: str, ranked: Comparison, trends: _Trends, line: _Line | None) -> _Evidence:
-    effect, plain, offset = _EFFECTS[title].effect, ranked["constant"].aicc, ranked["constant-offset"]
-    having, by_having = _best_law(ranked, lambda law: effect in ALL_LAWS[law].effects)
-    lacking, by_lacking = _best_law(ranked, lambda law: effect not in ALL_LAWS[law].effects)
-    by_trends = trends.least(title)
-    other = min(trends.least(without=[title]), by_lacking)
-    # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
-    alike = title == "wrap effect" and offset.counted and plain - max(offset.aicc, by_having) >= _WEAK
-    return _Evidence(
-        plain=plain,
-        best=min(by_trends, by_having),
-        other=other,
-        having=having if by_having <= by_trends else "",
-        lacking=lacking,
-        clear=line is not None and line.p_value < _SIGNIFICANT,
-        replaces=title not in trends.best
-        and any(trends.least(title, without=[one]) < other + STRONG for one in trends.best),
-        looks_like_offset=alike and abs(offset.aicc - by_having) < STRONG,
-    )
-
-
 def _best_law(ranked: Comparison, chosen: Callable[[str], bool]) -> tuple[str, float]:
     """Return the best of some laws and its AICc; infinite if none of them is counted."""
     laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted and chosen(entry.law)}
@@ -332,22 +273,59 @@ def _best_law(ranked: Comparison, chosen: Callable[[str], bool]) -> tuple[str, f
 
 def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     """Return the verdict on an effect of the settings."""
-    _, quantity, experiment, untold = _EFFECTS[title]
+    _, quantity, experiment, alias = _EFFECTS[title]
     if title not in trends.columns:
-        return Cause(title, "cannot-tell", untold or f"all conditions have one {quantity}", experiment)
+        return Cause(title, "cannot-tell", alias or f"all conditions have one {quantity}", experiment)
     line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
-    limits, room = _limits(title, line, trends) if line is not None else ({}, "")
-    found = _evidence(title, ranked, trends, line)
-    if math.isfinite(found.plain) and math.isfinite(found.best):
-        numbers |= {"gain_on_constant": found.plain - found.best, "lead_on_others": found.other - found.best}
-        parts += found.words
-    else:
-        parts.append(f"{ranked.n} conditions are too few for any law with it")
-    supported = found.judged
-    if supported != "yes":  # what the data leave room for
-        parts, numbers = [*parts, room], numbers | limits
-    return Cause(title, supported, "; ".join(filter(None, parts)), experiment, numbers)
+    supported, gains, words = _by_aicc(title, ranked, trends, line)
+    numbers, parts = numbers | gains, parts + words
+    if supported != "yes" and line is not None:  # what the data leave room for
+        limits, room = _limits(title, line, trends)
+        numbers, parts = numbers | limits, [*parts, room]
+    return Cause(title, supported, "; ".join(parts), experiment, numbers)
+
+
+def _by_aicc(
+    title: str, ranked: Comparison, trends: _Trends, line: _Line | None
+) -> tuple[Supported, dict[str, float], list[str]]:
+    """Return the verdict on an effect by the first rule that applies, and its gains in AICc, also in words.
+
+    The best descriptions with it and without it are laws or straight trends.
+    """
+    effect, plain = _EFFECTS[title].effect, ranked["constant"].aicc
+    having, by_having = _best_law(ranked, lambda law: effect in ALL_LAWS[law].effects)
+    lacking, by_lacking = _best_law(ranked, lambda law: effect not in ALL_LAWS[law].effects)
+    best = min(trends.least(title), by_having)
+    other = min(trends.least(without=[title]), by_lacking)
+    if not (math.isfinite(plain) and math.isfinite(best)):
+        return "cannot-tell", {}, [f"{ranked.n} conditions are too few for any law with it"]
+    gain, lead = plain - best, other - best
+    name = having if by_having == best else "straight trends of μ"
+    text = f"AICc of the best description with it, {name}, is {_against(gain)} the constant law's"
+    if abs(gain - lead) > 1e-9:
+        text += f" and {_against(lead)} that of the best without it ({lacking or 'constant'} among the laws)"
+    words, is_clear = [text], line is not None and line.p_value < _SIGNIFICANT
+    if title == "wrap effect" and _looks_like_offset(ranked, by_having):
+        words.append(
+            "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
+        )
+        is_clear = True
+    rules: tuple[tuple[bool, Supported], ...] = (
+        (lead >= STRONG, "yes"),
+        (is_clear, "cannot-tell"),
+        (gain < _WEAK or (lead < 0.0 and not trends.replaces(title, other)), "no"),
+        (True, "cannot-tell"),
+    )
+    verdict = next(verdict for applies, verdict in rules if applies)
+    return verdict, {"gain_on_constant": gain, "lead_on_others": lead}, words
+
+
+def _looks_like_offset(ranked: Comparison, by_wrap: float) -> bool:
+    """Return whether an offset and a wrap law explain what the constant law cannot, as well as each other."""
+    offset = ranked["constant-offset"]
+    explained = offset.counted and ranked["constant"].aicc - max(offset.aicc, by_wrap) >= _WEAK
+    return explained and abs(offset.aicc - by_wrap) < STRONG
 
 
 def _not_separated(
@@ -475,23 +453,17 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     where, (p_value, *ends) = min(tests.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
     p_value = min(1.0, p_value * len(tests))
     low, high = sorted(end / typical_mu(problem.conditions, problem.log_lift) for end in ends)
-    rules: tuple[tuple[bool, Supported], ...] = (
-        (p_value < _SIGNIFICANT, "yes"),
-        (p_value < _DOUBTED or not low <= 0.0 <= high, "cannot-tell"),
-        (True, "no"),
-    )
-    supported = next(word for applies, word in rules if applies)
-    what = "from its lowest value to its highest" if name in _NUMERIC else f"between {n_levels} groups"
+    what = "from its lowest value to its highest" if is_number else f"between {n_levels} groups"
     change = f"{_percent(low)} to {_percent(high)} {what}"
-    change = (
-        f"up to {_percent(high)} {what}" if n_levels > 2 and low < 0.0 and name not in _NUMERIC else change
-    )
+    if n_levels > 2 and low < 0.0 and not is_number:
+        change = f"up to {_percent(high)} {what}"
+    supported: Supported = "no" if p_value >= _DOUBTED and low <= 0.0 <= high else "cannot-tell"
     seen = f"a change of μ by {change} would not have been detected"
-    seen = f"μ changes by {change}" if supported == "yes" else seen
+    if p_value < _SIGNIFICANT:
+        supported, seen = "yes", f"μ changes by {change}"
     text = f"{where} conditions {seen} (95 % each; p = {p_value:.2g})"
-    return Cause(
-        title, supported, text, experiment, {"p_value": p_value, "bound_low": low, "bound_high": high}
-    )
+    numbers = {"p_value": p_value, "bound_low": low, "bound_high": high}
+    return Cause(title, supported, text, experiment, numbers)
 
 
 def _group_tests(

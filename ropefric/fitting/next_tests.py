@@ -41,8 +41,6 @@ from ropefric.uncertainty.budget import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 
-# Of an interval: what twice the conditions must make of it to be worth a word.
-_NARROWER = 0.9
 # Share of the variance above which more pulls do not narrow an interval much.
 _MOSTLY = 0.5
 _CHAIN = "measuring chain"
@@ -468,20 +466,9 @@ def plan_tests(
     plan = grid.select(places[chosen])
     both = known.joined(planned.evidence(plan, repeats))
 
-    def outlook(at: Conditions, often: int = repeats) -> Outlook:
-        return _outlook(planned, known.joined(planned.evidence(at, often)), along, level)
+    def outlook(at: Conditions) -> Outlook:
+        return _outlook(planned, known.joined(planned.evidence(at, repeats)), along, level)
 
-    spread = []
-    if repeats > 1 and 2 * n_conditions <= places.size:
-        # No more pulls, over twice the conditions.
-        more, fewer = 2 * n_conditions, repeats // 2
-        candidates = planned.evidence(grid.select(places), fewer)
-        wider, _ = best_plan(Exchange(candidates, known, along, criterion=criterion), more, starts=1)
-        ratio = _ratio(outlook(grid.select(places[wider]), fewer), outlook(plan))
-        if ratio < _NARROWER:
-            text = f"{more} conditions of {fewer} pulls instead of {n_conditions} of {repeats} would make the interval "
-            text += f"{100.0 * (1.0 - ratio):.0f} % narrower: repeats do not average out the scatter between conditions"
-            spread.append(text)
     # The usual plans: about the middle of the settings, and about the first wanted condition.
     spots = (
         np.interp(getattr(wanted, name)[0], getattr(limits, name), range(size))
@@ -492,7 +479,7 @@ def plan_tests(
         outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
         for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
     )
-    remarks = [*_told(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
+    remarks = [*_determined(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
     remarks += _of_shared(planned, both, along)
     return LabPlan(
         planned=planned,
@@ -513,7 +500,7 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(*planned.notes, *notes, *spread, *remarks),
+        notes=(*planned.notes, *notes, *remarks),
     )
 
 
@@ -560,7 +547,7 @@ def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[
     return [f"{text}: {remedy} would not narrow the interval much"]
 
 
-def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
+def _determined(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
     """Return what the conditions tested so far can determine of the law and its parameters, and what with the plan."""
     tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
     both = tested.joined(plan)

@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,7 +20,6 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus, FittedParameter
-from ropefric.fitting.statistics import FitStatistics
 from ropefric.friction.condition import SETTINGS
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
@@ -206,7 +206,14 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        checks = (*_checks_of_numbers(fit), *_checks_of_words(fit))
+        std = np.sqrt(np.diag(fit.covariance))
+        checks = chain(
+            *(_checks_of_parameter(fit, item) for item in fit.parameters),
+            _checks_of_covariance(fit, std),
+            _checks_of_common_errors(fit, std),
+            _checks_of_statistics(fit),
+            _checks_of_words(fit),
+        )
         return next((text for wrong, text in checks if wrong), "") or _fault_of_scatter(fit)
 
 
@@ -214,8 +221,8 @@ def _fault_of_scatter(fit: FitResult) -> str:
     """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
     model, text = fit.scatter, "its scatter is none that its data could have"
     arrays: tuple[FloatArray, ...] = (model.variance, model.covariance, model.slopes)
-    told = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
-    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if told else ()
+    sizes = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
+    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if sizes else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
     known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
     if not known or (np.diag(model.covariance) < 0.0).any():
@@ -228,20 +235,8 @@ def _fault_of_scatter(fit: FitResult) -> str:
     return "" if np.isfinite(weight).all() else text
 
 
-def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
-    """Yield possible faults of the numbers of a fit: whether it has one, and its words."""
-    std = np.sqrt(np.diag(fit.covariance))
-    for item in fit.parameters:
-        yield from _checks_of_parameter(fit, item)
-    yield from _checks_of_covariance(fit, std)
-    yield from _checks_of_common_errors(fit, std)
-    yield from _checks_of_statistics(fit.statistics)
-    for name in REGRESSORS:
-        low, high = fit.validity.get(name, (1.0, 0.0))
-        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
-
-
 def _checks_of_parameter(fit: FitResult, item: FittedParameter) -> Iterator[tuple[bool, str]]:
+    """Yield possible faults of a parameter: whether it has one, and its words."""
     name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
     outside = not (isfinite(value) and item.lower <= value <= item.upper)
     yield outside, f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}"
@@ -267,7 +262,8 @@ def _checks_of_covariance(fit: FitResult, std: FloatArray) -> Iterator[tuple[boo
         yield unlike, f"the standard error of {item.name} is not that of the covariance"
 
 
-def _checks_of_statistics(found: FitStatistics) -> Iterator[tuple[bool, str]]:
+def _checks_of_statistics(fit: FitResult) -> Iterator[tuple[bool, str]]:
+    found = fit.statistics
     for name in ("n", "n_conditions", "dof"):
         yield not isinstance(getattr(found, name), int), f"statistics.{name} is no whole number"
     possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n
@@ -276,6 +272,9 @@ def _checks_of_statistics(found: FitStatistics) -> Iterator[tuple[bool, str]]:
     yield not (isfinite(found.chi2) and found.chi2 >= 0.0), f"chi2 is {found.chi2:g}"
     for name in ("scatter_within", "scatter_between", "interval_dof"):
         yield getattr(found, name) < 0.0, f"statistics.{name} is {getattr(found, name):g}, negative"
+    for name in REGRESSORS:
+        low, high = fit.validity.get(name, (1.0, 0.0))
+        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
 
 
 def _checks_of_common_errors(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
@@ -340,7 +339,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
         law, again = stored.law, _again(stored, Path(path).parent)
     except RopefricError as error:
         message = str(error)
-    except Exception as error:  # noqa: BLE001  (whatever is wrong with one file, the others are to be told of)
+    except Exception as error:  # noqa: BLE001  (one bad file must not hide the others)
         message = f"the fit cannot be made again: {type(error).__name__}: {error}"[:300]
     else:
         difference = _difference(stored, again)

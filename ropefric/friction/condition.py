@@ -1,5 +1,6 @@
 """The conditions under which a rope is pulled over a wheel: who is large, how far it wraps, what hangs on it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Self
 
@@ -28,17 +29,11 @@ class Conditions:
 
     def __post_init__(self) -> None:
         arrays = {name: as_floats(name, getattr(self, name)) for name in SETTINGS}
-        try:
-            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
-        except ValueError:
-            lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-            why = f"the conditions disagree in length: {lengths}"
-            raise InputError(why, fix="give one value each, or one for all") from None
-        for name, array in arrays.items():
-            _check_range(name, array)
-            spread = np.broadcast_to(array, shape).copy()
-            spread.flags.writeable = False
-            object.__setattr__(self, name, spread)
+        for name, spread in same_length("conditions", arrays).items():
+            _check_range(name, arrays[name])
+            own = spread.copy()
+            own.flags.writeable = False
+            object.__setattr__(self, name, own)
         _check_sizes(self.wheel_radius_m, self.rope_radius_m)
 
     def __len__(self) -> int:
@@ -166,6 +161,16 @@ def as_floats(name: str, values: npt.ArrayLike) -> FloatArray:
         why = f"{name} has {array.ndim} axes {array.shape}; conditions are one list"
         raise InputError(why, key=name, fix="ravel the array")
     return array
+
+
+def same_length(what: str, arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return lists as arrays of one length; a single value counts for all."""
+    try:
+        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except ValueError:
+        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
+        fix = "give one value each, or one for all"
+        raise InputError(f"the {what} disagree in length: {lengths}", fix=fix) from None
 
 
 def _check_range(name: str, array: FloatArray) -> None:

@@ -292,11 +292,11 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
     sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
     if block is not None:
         columns = directions(block.covariance)
-        worth = (model.sensitivities[k:] @ columns).tolist()
-        for i in np.argsort(-np.abs(worth), kind="stable"):
+        moved = (model.sensitivities[k:] @ columns).tolist()
+        for i in np.argsort(-np.abs(moved), kind="stable"):
             changes = dict(zip(block.symbols, columns[:, i].tolist(), strict=True))
-            parts.append({"changes": changes, "contribution": worth[i]})
-        sources, slopes, sizes = [*sources, block], [*slopes, math.nan], [*sizes, math.hypot(*worth)]
+            parts.append({"changes": changes, "contribution": moved[i]})
+        sources, slopes, sizes = [*sources, block], [*slopes, math.nan], [*sizes, math.hypot(*moved)]
     combined = math.hypot(*sizes)
     if combined == 0.0:
         text = f"nothing that goes into {model.name} is uncertain"

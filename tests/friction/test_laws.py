@@ -35,16 +35,15 @@ def some_sets(law, m, seed=4):
     return typical(law) * np.random.default_rng(seed).uniform(0.7, 1.0, (m, len(law.parameters)))
 
 
-def test_rise_and_slopes_together_are_to_the_last_bit_those_alone_and_many_sets_have_many_rows(plan):
+def test_many_sets_have_many_rows_and_the_same_rise_alone_or_with_slopes_also_at_no_wrap(plan):
     zero = varied(plan, wrap_angle_rad=np.where(plan.wrap_angle_rad > 10.0, 0.0, plan.wrap_angle_rad))
     for law in ALL_LAWS.values():
         sets, p = some_sets(law, 6), len(law.parameters)
-        for pulls in (plan, zero) if law.admissible(sets, zero).all() else (plan,):
-            for theta in (sets, sets[0]):
-                log_lift, jacobian = law.log_lift_and_jacobian(theta, pulls)
-                assert np.array_equal(log_lift, law.log_lift(theta, pulls)), law.name
-                assert np.array_equal(jacobian, law.jacobian(theta, pulls)), law.name
-        assert log_lift.shape == (216,)
+        if law.admissible(sets, zero).all():
+            assert np.array_equal(law.log_lift_and_jacobian(sets, zero)[0], law.log_lift(sets, zero)), (
+                law.name
+            )
+        assert law.log_lift(sets[0], plan).shape == (216,)
         assert law.jacobian(sets, plan).shape == (6, 216, p)
         coefficients = law.local_mu(sets, plan.wrap_angle_rad, plan), law.average_mu(sets, plan)
         assert [one.shape for one in coefficients] == [(6, 216)] * 2
@@ -119,7 +118,7 @@ def test_bad_theta_is_refused(plan):
 A_LAW = st.sampled_from(list(ALL_LAWS.values()))
 
 
-@settings(deadline=None, max_examples=140)
+@settings(deadline=None, max_examples=60)
 @given(law=A_LAW, data=st.data())
 def test_anything_gives_a_number_or_a_reason(law, data):
     """Inside and outside the bounds: finite answers or InputError, and no warning, anywhere."""
@@ -139,7 +138,7 @@ def test_anything_gives_a_number_or_a_reason(law, data):
             pass
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 @given(law=A_LAW.filter(lambda law: law.name != "bending"), data=st.data())  # a stiff rope may not touch
 def test_inside_the_bounds_every_ordinary_pull_has_an_answer(law, data):
     # A coefficient of 5e-324 is no ordinary one: see the test after this.

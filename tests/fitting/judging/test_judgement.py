@@ -124,7 +124,7 @@ def test_laws_that_answer_alike_are_no_contradiction(answer):
     near = one_condition(0.04, 0.005, 6.0, 40.0)
     choice = choose_law(answer.comparison, "", near)
     found = choice.of(predict(choice.fit, near))
-    assert choice.rivals
+    assert choice.fit.rivals
     assert choice.verdict.word == "supported"
     assert "answer alike" in choice.verdict.reason
     assert found.candidates

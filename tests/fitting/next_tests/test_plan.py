@@ -162,20 +162,6 @@ def test_several_wanted_conditions_are_served_together(bench, guessed, wanted):
         assert together.after.std_log[i] >= 0.98 * own.after.std_log[0]
 
 
-@pytest.mark.parametrize(("between", "said"), [(0.02, True), (0.0, False)])
-def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(bench, guessed, wanted,
-        between, said):  # fmt: skip
-    planned, target = guessed("howell", MeanScatter(within=0.017, between=between)), wanted("inside")
-    plan = plan_tests(planned, bench, target, repeats=6, n_conditions=10, starts=1)
-    (note,) = [text for text in plan.notes if "instead of" in text] or [""]
-    assert note.startswith("20 conditions of 3 pulls instead of 10 of 6 would make the interval ") == said
-    if said:
-        narrower = float(note.split("interval ")[1].split()[0])
-        wider = plan_tests(planned, bench, target, repeats=3, n_conditions=20, starts=1)
-        widths = [outlook.half_width_log[0] for outlook in (wider.after, plan.after)]
-        assert narrower == pytest.approx(100 * (1 - widths[0] / widths[1]), abs=0.5)
-
-
 def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     fit = load_fit(root / "fits" / "prth-coupled.json")
     planned = planned_fit(fit)

@@ -5,8 +5,9 @@ condition brings (a setting, a new rope each time) is shared by its repeats. Sta
 by exactly what the user says shares them. The variances of the others are found by restricted maximum likelihood (REML)
 on the linearised law (Patterson & Thompson 1971, Biometrika 58:545), without a floor at zero: a mean square between
 conditions that happens to lie below the repeats' stays what it is, which makes Student's t exact in balanced designs.
-Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's, so that
-three ropes count as three.
+Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's. Of a group with
+few levels the estimated variance is often zero by chance. Its intervals hold for all variances that the restricted
+likelihood leaves possible, see `Mixture`, so that three ropes count as three.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,8 +44,8 @@ _SETTLED, _CLOSE = 1e-9, 1e-10
 _SEPARABLE = 1e-3
 _MOST_CELLS = 3000
 _TINY = 1e-300
-# Degrees of freedom of a variance that is zero.
-_LEAST_KNOWN = 1e-60
+# ln ρ of a group, its largest eigenvalue one, where the likelihood is looked for; and its nodes, in standard deviations.
+_LOG_RATIOS, _NODES = np.arange(-14.0, 60.0, 0.1), np.linspace(-6.0, 12.0, 46)
 
 
 class Uneven(NamedTuple):
@@ -243,6 +244,31 @@ def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray])
     return ""
 
 
+class Mixture(NamedTuple):
+    """All variances that are possible where one group may scatter more or less than estimated.
+
+    Attributes
+    ----------
+    weight : ndarray, shape (k,)
+        Probabilities, their sum one.
+    variance : ndarray, shape (k, m)
+        Of each component, as in `ScatterModel`.
+    dof : float
+        Degrees of freedom of the residuals, by which each row of variances is known.
+    """
+
+    weight: FloatArray
+    variance: FloatArray
+    dof: float
+
+    def precision(self, slopes: FloatArray, known: Known) -> tuple[FloatArray, FloatArray]:
+        """Return the mean of 1/v and its relative variance, v = Σ slopes_i σ_i² + known, shapes (r,)."""
+        variance = slopes @ self.variance.T + np.reshape(known, (-1, 1))
+        unsure = 1.0 + 2.0 / self.dof * (slopes @ self.variance.T / variance) ** 2
+        mean = variance**-1.0 @ self.weight
+        return mean, (unsure * variance**-2.0) @ self.weight / mean**2 - 1.0
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ScatterModel:
     """Components of the scatter about a law, and what they leave open of its p parameters.
@@ -266,6 +292,8 @@ class ScatterModel:
         What the levels of each group are called.
     tail_dof : float
         Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
+    mixtures : tuple of Mixture
+        One for each group, in their order; none in a fit that was stored without them.
     """
 
     names: tuple[str, ...] = ()
@@ -276,6 +304,7 @@ class ScatterModel:
     uneven: Uneven = EVEN
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     tail_dof: float = np.inf
+    mixtures: tuple[Mixture, ...] = ()
 
     def std(self, name: str) -> float:
         """Return the standard deviation by a component, 0 where its variance is below zero; NaN if there is none."""
@@ -300,48 +329,85 @@ class ScatterModel:
         v = j C jᵀ for combinations j of parameters in `rows` (r, p), plus Σ σ_i² of the components in `own` (r, m),
         what one pull brings beside the law, plus `known` (r,), which is sure.
         """
-        return np.maximum(self._satterthwaite(rows, own, known), 1.0)
+        return self.integrated(rows, own, known)[1]
 
     def reach(
-        self, probability: float, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
+        self,
+        probability: float,
+        variance: FloatArray,
+        rows: FloatArray,
+        own: FloatArray | None = None,
+        known: Known = 0.0,
     ) -> FloatArray:
         """Return how many standard deviations an interval reaches with a probability to one side, shape (r,).
 
-        Student's t of `dof`. A variance v that comes out with ν < 1 is too small to believe, as where that of a group
-        is estimated below zero: the one with Var(v) and one degree of freedom is v/√ν, and takes its place.
+        Student's t of `dof`, where `variance` (r,) is the square of the standard deviation; in groups, times the
+        root of what their mixtures make of the variance.
         """
         if not self.names:
             return np.full(len(rows), np.nan)
-        dof = self._satterthwaite(rows, own, known)
-        whole = np.maximum(dof, 1.0)
-        student = stdtrit(np.where(np.isinf(whole), 1.0, whole), probability)
-        normal = float(ndtri(probability))
-        return np.where(np.isinf(whole), normal, student) * np.clip(dof, _LEAST_KNOWN, 1.0) ** -0.25
+        integrated, dof = self.integrated(rows, own, known)
+        student = stdtrit(np.where(np.isinf(dof), 1.0, dof), probability)
+        reach = np.where(np.isinf(dof), float(ndtri(probability)), student)
+        if self.mixtures:
+            reach = reach * np.sqrt(
+                np.divide(integrated, variance, out=np.ones_like(dof), where=variance > 0.0)
+            )
+        return reach
 
-    def _satterthwaite(self, rows: FloatArray, own: FloatArray | None, known: Known) -> FloatArray:
+    def integrated(
+        self, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return variances as in `dof`, of groups over their mixtures, and the degrees of freedom.
+
+        The precision 1/v of mean E is taken to follow E χ²_ν/ν with ν = 2 E²/Var(1/v), so that Student's t with ν
+        degrees of freedom belongs to a variance 1/E; exact where one mean square is all there is to know.
+        """
         slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
-        slopes = slopes if own is None else slopes + own
+        if own is not None:
+            # A component below zero is one that the data do not show: a new rope brings nothing by it.
+            slopes = slopes + (own if self.mixtures else own * (self.variance > 0.0))
         # Of a parameter that is hardly known the square overflows; a power of two loses no digit.
         scale = np.ldexp(1.0, np.frexp(np.abs(slopes).max(axis=1, initial=0.0))[1])
-        slopes = slopes / scale[:, None]
-        variance = slopes @ self.variance + known / scale
-        spread = np.einsum("rm,mn,rn->r", slopes, self.covariance, slopes)
+        slopes, known = slopes / scale[:, None], known / scale
+        variance, covariance = slopes @ self.variance + known, self.covariance
+        unsure = np.zeros(len(rows))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(spread > 0.0, 2.0 * variance**2 / spread, np.inf)
+            if self.mixtures:
+                plain = slopes @ np.maximum(self.variance, 0.0) + known
+                variance, covariance = plain, self._beside_groups()
+                for mixture in self.mixtures:
+                    mean, spread = mixture.precision(slopes, known)
+                    variance = variance + 1.0 / mean - plain
+                    unsure = unsure + spread / mean**2
+            unsure = unsure + np.einsum("rm,mn,rn->r", slopes, covariance, slopes)
+            dof = np.where(unsure > 0.0, 2.0 * variance**2 / unsure, np.inf)
+        return variance * scale, np.maximum(dof, 1.0)
+
+    def _beside_groups(self) -> FloatArray:
+        """Return the covariance of the variances by condition and repeat if groups and the size of all are known."""
+        own = np.array([name not in self.groups for name in self.names])
+        size, block = np.maximum(self.variance[own], 0.0), np.ix_(own, own)
+        information = np.linalg.pinv(self.covariance, hermitian=True)[block]
+        found = np.zeros_like(self.covariance)
+        found[block] = np.linalg.pinv(information, hermitian=True)
+        found[block] -= np.outer(size, size) / (size @ information @ size)
+        return found
 
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
         slopes = np.array([*map(stats.rounded_covariance, self.slopes)]).reshape(self.slopes.shape)
-        return replace(
-            self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
-        )
+        mixtures = tuple(Mixture(digits(w), digits(v), dof) for w, v, dof in self.mixtures)
+        variance, covariance = digits(self.variance), digits(self.covariance)
+        return replace(self, variance=variance, covariance=covariance, slopes=slopes, mixtures=mixtures)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
         tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
         tree |= {"labels": dict(self.labels)} if self.labels else {}
+        tree |= {"mixtures": [one._asdict() for one in self.mixtures]} if self.mixtures else {}
         return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
 
     @classmethod
@@ -353,7 +419,21 @@ class ScatterModel:
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
         uneven, tail_dof = Uneven(**tree["uneven"]), float(tree.get("tail_dof", np.inf))
-        return cls(names=words, levels=levels, uneven=uneven, labels=labels, tail_dof=tail_dof, **arrays)
+        mixtures = tuple(
+            Mixture(
+                np.array(one["weight"], np.float64), np.array(one["variance"], np.float64), float(one["dof"])
+            )
+            for one in tree.get("mixtures", ())
+        )
+        return cls(
+            names=words,
+            levels=levels,
+            uneven=uneven,
+            labels=labels,
+            tail_dof=tail_dof,
+            mixtures=mixtures,
+            **arrays,
+        )
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -399,11 +479,13 @@ def estimated(
     inverse, C, adjusted = at.corrections()
     slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
     slopes[np.ix_(np.arange(len(parts)), place, place)] = at.half @ C @ at.half.T
-    counts = layout.level_counts
+    counts, groups = layout.level_counts, [name for name in parts if name in layout.groups]
+    mixtures = (reml.mixture(name, _levels(name, layout, rise), variance) for name in groups)
     model = ScatterModel(
         names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
         labels={name: words for name, words in layout.labels.items() if name in parts}, tail_dof=layout.tail_dof,
+        mixtures=tuple(one._replace(variance=one.variance * size2) for one in mixtures),
     )  # fmt: skip
     whitening = at.whitening / size2**0.5
     weight = {"std": 1.0 / whitening} if whitening.ndim == 1 else {"root": whitening}
@@ -458,7 +540,7 @@ def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
     values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
     X, slopes = J[:, weighted.vary], slopes[:, weighted.vary]
     there = values - weighted.conditions.log_end_tension
-    shared = np.outer(rise, there * (layout.groups[name] == level)) * (model.variance[place] > 0.0)
+    shared = np.outer(rise, there * (layout.groups[name] == level))
     size = max(float(model.variance[place]), 0.0)
     half, left = stats.decomposed(weighted.whitened(X.T).T).root()
     k = size * weighted.whitened(shared)
@@ -494,7 +576,14 @@ def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
         return factor / layout.size
     if name == CONDITION:
         return np.sqrt(np.outer(factor, factor)) * _same(layout.condition) if layout.nested else factor
-    return np.outer(rise, rise) * _same(layout.groups[name])
+    levels = _levels(name, layout, rise)
+    return levels @ levels.T
+
+
+def _levels(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
+    """Return by how much each level of a group moves ln F_A of the cells, shape (k, levels)."""
+    level = layout.groups[name]
+    return rise[:, None] * np.equal.outer(level, np.unique(level))
 
 
 def _separable(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]:
@@ -649,3 +738,45 @@ class _Reml(NamedTuple):
             gradient[place] += 0.5 * (self.squares / repeat**2 - self.spare / repeat)
             likelihood -= 0.5 * (self.spare * np.log(repeat) + self.squares / repeat)
         return _Moments(float(likelihood), gradient, information, whitening, half, left, A)
+
+    def mixture(self, name: str, levels: FloatArray, s: FloatArray) -> Mixture:
+        """Return the variances that are possible for the group `name`, the others in the proportions of s.
+
+        `levels` (k, l) move the means. V = σ² (W + ρ levels levelsᵀ) with W of the other components: the restricted
+        likelihood of ρ and σ, times Jeffreys' prior for both, is integrated over σ in closed form. The mean squares
+        of a balanced design then have their exact distribution, but for the part below zero.
+        """
+        place, size = [*self.parts].index(name), np.maximum(s, 0.0)
+        W = self.known + sum(
+            x * part
+            for x, (other, part) in zip(size.tolist(), self.parts.items(), strict=True)
+            if other != name
+        )
+        whitening = np.linalg.inv(np.linalg.cholesky(W))
+        left = stats.decomposed(whitening @ self.X).root()[1]
+        turned = whitening @ np.column_stack([levels, self.r])
+        turned -= left @ (left.T @ turned)
+        basis, length, _ = np.linalg.svd(turned[:, :-1], full_matrices=False)
+        e, by_level = turned[:, -1], (length / length[0]) ** 2
+        shown = (basis.T @ e) ** 2
+        rest, dof = float(e @ e - shown.sum()), e.size - left.shape[1]
+        if REPEAT in self.parts and self.spare:
+            rest, dof = rest + self.squares / s[[*self.parts].index(REPEAT)], dof + self.spare
+
+        def density(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+            """Return the probabilities of ln ρ = x on a grid, and σ² there."""
+            share = 1.0 / (1.0 + np.exp(x)[:, None] * by_level)
+            size2 = (rest + share @ shown) / dof
+            first, second = share @ by_level, share**2 @ by_level**2
+            prior = x + 0.5 * np.log(np.maximum(dof * second - first**2, _TINY))
+            log_density = prior + 0.5 * np.log(share).sum(axis=1) - 0.5 * dof * np.log(size2)
+            weight = np.exp(log_density - log_density.max())
+            return weight / weight.sum(), size2
+
+        weight = density(_LOG_RATIOS)[0]
+        centre = float(weight @ _LOG_RATIOS)
+        x = centre + _NODES * float(weight @ (_LOG_RATIOS - centre) ** 2) ** 0.5
+        weight, size2 = density(x)
+        variance = np.outer(size2, size)
+        variance[:, place] = size2 * np.exp(x) / length[0] ** 2
+        return Mixture(weight, variance, float(dof))

@@ -152,8 +152,33 @@ def test_ropes_crossed_with_conditions_are_the_analysis_of_variance():
     theta, found = settled(problem, {"rope": [f"r{r}" for r in ropes]})
     mu = [WRAPS @ rise[ropes == r] / (WRAPS @ WRAPS) for r in range(3)]
     assert theta[0] == pytest.approx(np.mean(mu), rel=1e-6)
-    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(np.std(mu, ddof=1) / math.sqrt(3), rel=1e-6)
+    std = np.std(mu, ddof=1) / math.sqrt(3)
+    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(std, rel=1e-6)
     assert found.model.dof(np.eye(1))[0] == pytest.approx(2.0, rel=1e-4)
+    reach = found.model.reach(0.975, np.diag(found.covariance), np.eye(1))
+    assert reach == pytest.approx(stats.t.ppf(0.975, 2), rel=1e-3)
+
+
+@pytest.mark.parametrize("alike", [1.0, 0.3, 0.03])
+def test_ropes_that_happen_to_be_alike_may_still_differ(alike):
+    """Mean squares of a balanced design drawn from their distributions, none of ropes below that of pulls.
+
+    The variance of the mean law had an interval of nearly no width where the ropes were alike by chance.
+    """
+    rng, S = np.random.default_rng(4), float(WRAPS @ WRAPS)
+    ropes, pulls = np.tile([0, 1, 2], 6), rng.normal(size=18)
+    of = np.equal.outer(ropes, range(3)) * np.repeat(WRAPS, 3)[:, None]
+    pulls -= of @ (of.T @ pulls) / S
+    within, between = float(pulls @ pulls) * 1e-4, alike * 2e-4
+    mu = 0.2 + math.sqrt(between / S / 2.0) * np.array([-1.0, 0.0, 1.0])
+    problem = constant_problem(np.repeat(WRAPS, 3), of @ mu + 0.01 * pulls, np.arange(18))
+    model = settled(problem, {"rope": [f"r{r}" for r in ropes]})[1].model
+    by_rope, by_pull = between / rng.chisquare(2, 10**6), within / rng.chisquare(15, 10**6)
+    good = by_rope > by_pull
+    precision = 3.0 * S / by_rope[good]
+    variance, dof = model.integrated(np.eye(1))
+    assert variance[0] == pytest.approx(1.0 / precision.mean(), rel=0.01)
+    assert dof[0] == pytest.approx(2.0 * precision.mean() ** 2 / precision.var(), rel=0.02)
 
 
 # --- simulations ----------------------------------------------------------------------------------------------------

@@ -92,6 +92,47 @@ def test_mixed_model_of_statsmodels():
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(0.002149178830928148, rel=1e-3)
 
 
+# By seed: slope, variances of its change by rope and by wheel, those by condition and by pull, error of the slope.
+DRAWN = {
+    1: (0.19890318891317657, 2.5006337516715423e-05, 5.8814164670000024e-05, 7.091960768359794e-05,
+        0.00037364312259445065, 0.00439545205837617),
+    2: (0.1952779965899222, 2.0484632888076082e-05, 9.715739822322366e-05, 0.000314713013212583,
+        0.0003131965116191024, 0.005378814623771088),
+    3: (0.19143711487781806, 0.00012138586672927191, 4.6805343590384405e-05, 0.00034161682750707983,
+        0.0004743594888504092, 0.005775468648093575),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", DRAWN)
+def test_mixed_model_of_statsmodels_with_random_ropes_and_wheels(seed):
+    """Six conditions, 6 to 14 pulls each with any of six ropes on any of four wheels, `rise` rounded to 1e-4.
+
+    mixedlm("y ~ 0 + wrap", groups=one, re_formula="0", vc_formula={"rope": "0+C(r):wrap", "wheel": "0+C(w):wrap",
+    "condition": "0+C(c)"}).fit(reml=True) of statsmodels 0.15.0, the likeliest of lbfgs, powell and bfgs.
+    """
+    rng = np.random.default_rng(seed)
+    condition = np.repeat(np.arange(6), rng.integers(6, 15, 6))
+    rope, on = rng.integers(0, (6, 4), (condition.size, 2)).T
+    mu = 0.2 * (1 + 0.04 * rng.normal(size=6)[rope] + 0.03 * rng.normal(size=4)[on])
+    rise = (
+        mu * WRAPS[condition] + 0.015 * rng.normal(size=6)[condition] + 0.02 * rng.normal(size=condition.size)
+    )
+    groups = {"rope": [f"r{i}" for i in rope], "wheel": [f"w{i}" for i in on]}
+    theta, found = settled(constant_problem(WRAPS[condition], rise.round(4), condition), groups)
+    slope, by_rope, by_wheel, by_condition, by_pull, error = DRAWN[seed]
+    assert theta[0] == pytest.approx(slope, rel=1e-4)
+    printed = {
+        "rope": by_rope / slope**2,
+        "wheel": by_wheel / slope**2,
+        "condition": by_condition,
+        "repeat": by_pull,
+    }
+    variances = dict(zip(found.model.names, found.model.variance, strict=True))
+    assert variances == pytest.approx(printed, rel=2e-3)
+    # Before Kenward and Roger's correction, as theirs.
+    assert math.sqrt(found.model.slopes[:, 0, 0] @ found.model.variance) == pytest.approx(error, rel=1e-3)
+
+
 def test_reml_of_a_curved_law_with_a_known_error_by_direct_search():
     """The restricted likelihood of the whole covariance matrix of all trials, maximised by another minimiser."""
     rng = np.random.default_rng(3)

@@ -110,7 +110,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
     return FitResult(
         law=problem.law.name,
-        parameters=_parameters(found, std, errors.model.reach(0.975, np.eye(std.size))),
+        parameters=_parameters(found, std, errors.model.reach(0.975, std**2, np.eye(std.size))),
         covariance=covariance,
         covariance_kind="clustered" if layout.repeated else "scaled",
         statistics=_statistics(found, trials, errors.model, dof, trends),

@@ -405,19 +405,22 @@ def lift_model(
             raise InputError(text, key="one_pull", fix="repeat conditions, or request the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
         own = fit.scatter.one_pull(np.array([math.log(F_A)]), np.array([rise]))
-        dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own * (fit.scatter.variance > 0.0))[0])
+        dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own)[0])
         quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=dof, type="A"))
     first = len(quantities)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
     common = fit.common_changes / [item.std for item in fit.common_errors]
     covariance = fit.covariance - fit.common_changes @ fit.common_changes.T
+    slopes = law.jacobian(theta, wheel)
+    if fit.scatter.mixtures:
+        covariance = covariance * (fit.scatter.integrated(slopes)[0] / (slopes @ covariance @ slopes.T)[0])
     block = Block(
         name=f"parameters of {law.name}",
         symbols=tuple(np.array(law.parameter_names)[free].tolist()),
         estimates=theta[free],
         covariance=np.asarray(covariance)[np.ix_(free, free)],
-        dof=float(fit.scatter.dof(law.jacobian(theta, wheel))[0]) if has_interval(fit) else 1.0,
+        dof=float(fit.scatter.dof(slopes)[0]) if has_interval(fit) else 1.0,
     )
 
     evaluate = _LiftForce(fit.law, theta, free, first, common)

@@ -288,7 +288,7 @@ def profile_of(fit: FitResult) -> ProfileResult:
     ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 0.0)
     # Of a parameter on its bound no variance is known, but the scatter is the same for all.
     ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
-    reach = fit.scatter.reach(0.975, np.eye(variance.size)) / float(ndtri(0.975))
+    reach = fit.scatter.reach(0.975, variance, np.eye(variance.size)) / float(ndtri(0.975))
     reach = np.where(shown, reach, reach[shown].max(initial=1.0))
     return profile_intervals(problem, fit.theta, scale=ratio * reach**2)
 

@@ -315,7 +315,7 @@ def _own_ends(
 ) -> LiftEnds:
     """Return `lift_ends` of the law itself."""
     spread, at = _spread(fit, model, conditions), model.log_lift(fit.theta, conditions)[:, None]
-    reach = fit.scatter.reach(probability, spread.rows, known=spread.known)
+    reach = fit.scatter.reach(probability, spread.law, spread.rows, known=spread.known)
     half, signs = reach * np.sqrt(spread.law), np.array([-1.0, 1.0])
     mean = at + signs * half[:, None]
     if _takes_profile(fit, model.pressing(conditions), method):
@@ -381,15 +381,18 @@ def _measured_rope(
     of, none = ("rope", scatter.labels["rope"].index(rope)), np.zeros_like(spread.rows)
     found = measured_level(layout, scatter, fit.theta, errors, of, spread.rows, spread.rise)
     # One pull with this rope: what is not the rope's comes new.
-    new = spread.own * ((scatter.variance > 0.0) & (np.array(scatter.names) != "rope"))
+    new = spread.own * (np.array(scatter.names) != "rope")
+    grouped = np.array([name in scatter.groups for name in scatter.names])
+    shown = np.where(grouped, np.maximum(scatter.variance, 0.0), scatter.variance)
     stds, dofs, reach = [], [], []
     for more in (np.zeros_like(new), new):
         own = found.own + more
-        variance = np.maximum(own @ scatter.variance + found.known, 0.0) + found.estimated
+        known = found.known + found.estimated
+        variance = np.maximum(found.own @ shown, 0.0) + more @ np.maximum(shown, 0.0) + known
         stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
         dofs.append(scatter.dof(none, own, found.known))
         tails = _by_tails(scatter, probability, variance, more)
-        reach.append(scatter.reach(probability, none, own, found.known) * stds[-1] * tails)
+        reach.append(scatter.reach(probability, variance, none, own, known) * stds[-1] * tails)
     log_lift, signs = model.log_lift(fit.theta, conditions) + found.shift, np.array([-1.0, 1.0])
     with np.errstate(over="ignore"):
         force_N = np.exp(log_lift)
@@ -455,11 +458,9 @@ def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     scatter = fit.scatter
     if math.isnan(new_rope_std(fit)):
         return np.full_like(spread.law, np.nan)
-    # A component below zero is one that the data do not show: a new rope brings nothing by it.
-    own = spread.own * (scatter.variance > 0.0)
-    variance = spread.law + own @ scatter.variance
-    reach = scatter.reach(probability, spread.rows, own, spread.known)
-    return np.asarray(reach * np.sqrt(variance) * _by_tails(scatter, probability, variance, own))
+    variance = spread.law + spread.own @ np.maximum(scatter.variance, 0.0)
+    reach = scatter.reach(probability, variance, spread.rows, spread.own, spread.known)
+    return np.asarray(reach * np.sqrt(variance) * _by_tails(scatter, probability, variance, spread.own))
 
 
 def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, own: FloatArray) -> FloatArray:
@@ -469,7 +470,7 @@ def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, o
     """
     if not (math.isfinite(scatter.tail_dof) and probability > 0.5):
         return np.ones_like(variance)
-    by_repeat = np.array([name == REPEAT for name in scatter.names]) * scatter.variance
+    by_repeat = np.array([name == REPEAT for name in scatter.names]) * np.maximum(scatter.variance, 0.0)
     share = own @ by_repeat / np.maximum(variance, np.finfo(np.float64).tiny)
     return np.interp(share, _SHARES, _reach_of_tails(scatter.tail_dof, probability))
 
@@ -512,7 +513,7 @@ def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = Non
         return math.nan
     force = model.uneven.centre if log_lift is None else log_lift
     own = model.one_pull(np.array([force]), np.array([rise]))
-    return math.sqrt(float((own @ np.maximum(model.variance, 0.0))[0]))
+    return math.sqrt(float(model.integrated(np.zeros((1, fit.theta.size)), own)[0][0]))
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:

@@ -7,8 +7,9 @@ rules stand here, and the terminal, the report, JSON and the exit code say what 
 
 not judged
     The data leave no choice or no test: the fit has not converged, the data do not show its parameters or only one
-    end of their range, there are fewer than `spare` = 3 more conditions than fitted parameters (as for AICc, which
-    has no value below n = k + 2 with the scatter among the k), or no law but one could be weighed.
+    end of their range (and nothing else contradicts the law), there are fewer than `spare` = 3 more conditions than
+    fitted parameters (as for AICc, which has no value below n = k + 2 with the scatter among the k), or no law but
+    one could be weighed.
 undecided
     Something speaks against the law. Its own fit: its residuals depend on a regressor or any smooth function of
     all (F-tests beside the scatter between conditions, p < 0.001), the repeats scatter extremely,
@@ -333,15 +334,15 @@ class FitResult(Shown):
         was tested, whose interval holds all that the parameters may be.
         """
         forgiven = self.status in _OF_PARAMETERS and asked is not None and self._inside(asked)
-        return (*self._of_status(forgiven=forgiven), *self._of_conditions())
-
-    def _of_status(self, *, forgiven: bool) -> Iterator[Doubt]:
-        """Yield the gravest finding; of a forgiven one only that the law misses an effect."""
+        against = [*self._of_conditions()]
+        if self.status in _OF_PARAMETERS and self.statistics.lack_of_fit_p < TREND_P:
+            against = [*(("undecided", text) for text in self.advice if DEPEND in text), *against]
         if self.status is not FitStatus.OK and not forgiven:
-            word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
-            yield word, self.advice[0] if self.advice else self.status.advice
-        elif forgiven and self.statistics.lack_of_fit_p < TREND_P:
-            yield from (("undecided", text) for text in self.advice if DEPEND in text)
+            # What contradicts a law is a test of it, whatever its parameters are.
+            tested = self.status in _OF_PARAMETERS and any(word == "undecided" for word, _ in against)
+            word: Word = "undecided" if tested or self.status in _ONLY_DOUBTED else "not judged"
+            against.insert(0, (word, self.advice[0] if self.advice else self.status.advice))
+        return tuple(against)
 
     def _of_conditions(self) -> Iterator[Doubt]:
         """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""

@@ -5,8 +5,9 @@ condition brings (a setting, a new rope each time) is shared by its repeats. Sta
 by exactly what the user says shares them. The variances of the others are found by restricted maximum likelihood (REML)
 on the linearised law (Patterson & Thompson 1971, Biometrika 58:545), without a floor at zero: a mean square between
 conditions that happens to lie below the repeats' stays what it is, which makes Student's t exact in balanced designs.
-Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's, so that
-three ropes count as three.
+Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's. Of a group with
+few levels the estimated variance is often zero by chance. Its intervals hold for all variances that the restricted
+likelihood leaves possible, see `Mixture`, so that three ropes count as three.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,29 +23,22 @@ from ropefric.errors import InputError
 from ropefric.files.plain_text import GIVEN_DIGITS, significant
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.reml import CONDITION, REPEAT, Known, Mixture, Reml, times
 from ropefric.friction.condition import SETTINGS, Conditions
 
-Known = FloatArray | float
-CONDITION, REPEAT = "condition", "repeat"
 ALL = "all"
 """The one component of the parameters' covariance in a fit stored before there was a model of scatter."""
 
-# The variance of a mean stays above this part of what its repeats leave, however low the others happen to be.
-_LEAST = 0.05
 # Uneven scatter: standard errors of its exponent (p = 0.001), cells with repeats, and range of ln F_A to see it in.
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
 # A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
 _LEAST_DOF, _SAME, _FAR_P = 5, 1e-6, 1e-3
 # Student's t that repeats may follow, the heaviest with a variance that a sample can show, and the p-value of the test.
 _TAIL_DOFS, _TAIL_P = np.arange(3.0, 31.0), 0.05
-_ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
-_SETTLED, _CLOSE = 1e-9, 1e-10
 # Smallest eigenvalue of the correlations between components: below, two of them cannot be separated.
 _SEPARABLE = 1e-3
 _MOST_CELLS = 3000
 _TINY = 1e-300
-# Degrees of freedom of a variance that is zero.
-_LEAST_KNOWN = 1e-60
 
 
 class Uneven(NamedTuple):
@@ -266,6 +260,8 @@ class ScatterModel:
         What the levels of each group are called.
     tail_dof : float
         Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
+    mixtures : tuple of Mixture
+        One for each group, in their order; none in a fit that was stored without them.
     """
 
     names: tuple[str, ...] = ()
@@ -276,6 +272,7 @@ class ScatterModel:
     uneven: Uneven = EVEN
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     tail_dof: float = np.inf
+    mixtures: tuple[Mixture, ...] = ()
 
     def std(self, name: str) -> float:
         """Return the standard deviation by a component, 0 where its variance is below zero; NaN if there is none."""
@@ -300,48 +297,85 @@ class ScatterModel:
         v = j C jᵀ for combinations j of parameters in `rows` (r, p), plus Σ σ_i² of the components in `own` (r, m),
         what one pull brings beside the law, plus `known` (r,), which is sure.
         """
-        return np.maximum(self._satterthwaite(rows, own, known), 1.0)
+        return self.integrated(rows, own, known)[1]
 
     def reach(
-        self, probability: float, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
+        self,
+        probability: float,
+        variance: FloatArray,
+        rows: FloatArray,
+        own: FloatArray | None = None,
+        known: Known = 0.0,
     ) -> FloatArray:
         """Return how many standard deviations an interval reaches with a probability to one side, shape (r,).
 
-        Student's t of `dof`. A variance v that comes out with ν < 1 is too small to believe, as where that of a group
-        is estimated below zero: the one with Var(v) and one degree of freedom is v/√ν, and takes its place.
+        Student's t of `dof`, where `variance` (r,) is the square of the standard deviation; in groups, times the
+        root of what their mixtures make of the variance.
         """
         if not self.names:
             return np.full(len(rows), np.nan)
-        dof = self._satterthwaite(rows, own, known)
-        whole = np.maximum(dof, 1.0)
-        student = stdtrit(np.where(np.isinf(whole), 1.0, whole), probability)
-        normal = float(ndtri(probability))
-        return np.where(np.isinf(whole), normal, student) * np.clip(dof, _LEAST_KNOWN, 1.0) ** -0.25
+        integrated, dof = self.integrated(rows, own, known)
+        student = stdtrit(np.where(np.isinf(dof), 1.0, dof), probability)
+        reach = np.where(np.isinf(dof), float(ndtri(probability)), student)
+        if self.mixtures:
+            reach = reach * np.sqrt(
+                np.divide(integrated, variance, out=np.ones_like(dof), where=variance > 0.0)
+            )
+        return reach
 
-    def _satterthwaite(self, rows: FloatArray, own: FloatArray | None, known: Known) -> FloatArray:
+    def integrated(
+        self, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return variances as in `dof`, of groups over their mixtures, and the degrees of freedom.
+
+        The precision 1/v of mean E is taken to follow E χ²_ν/ν with ν = 2 E²/Var(1/v), so that Student's t with ν
+        degrees of freedom belongs to a variance 1/E; exact where one mean square is all there is to know.
+        """
         slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
-        slopes = slopes if own is None else slopes + own
+        if own is not None:
+            # A component below zero is one that the data do not show: a new rope brings nothing by it.
+            slopes = slopes + (own if self.mixtures else own * (self.variance > 0.0))
         # Of a parameter that is hardly known the square overflows; a power of two loses no digit.
         scale = np.ldexp(1.0, np.frexp(np.abs(slopes).max(axis=1, initial=0.0))[1])
-        slopes = slopes / scale[:, None]
-        variance = slopes @ self.variance + known / scale
-        spread = np.einsum("rm,mn,rn->r", slopes, self.covariance, slopes)
+        slopes, known = slopes / scale[:, None], known / scale
+        variance, covariance = slopes @ self.variance + known, self.covariance
+        unsure = np.zeros(len(rows))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(spread > 0.0, 2.0 * variance**2 / spread, np.inf)
+            if self.mixtures:
+                plain = slopes @ np.maximum(self.variance, 0.0) + known
+                variance, covariance = plain, self._beside_groups()
+                for mixture in self.mixtures:
+                    mean, spread = mixture.precision(slopes, known)
+                    variance = variance + 1.0 / mean - plain
+                    unsure = unsure + spread / mean**2
+            unsure = unsure + np.einsum("rm,mn,rn->r", slopes, covariance, slopes)
+            dof = np.where(unsure > 0.0, 2.0 * variance**2 / unsure, np.inf)
+        return variance * scale, np.maximum(dof, 1.0)
+
+    def _beside_groups(self) -> FloatArray:
+        """Return the covariance of the variances by condition and repeat if groups and the size of all are known."""
+        own = np.array([name not in self.groups for name in self.names])
+        size, block = np.maximum(self.variance[own], 0.0), np.ix_(own, own)
+        information = np.linalg.pinv(self.covariance, hermitian=True)[block]
+        found = np.zeros_like(self.covariance)
+        found[block] = np.linalg.pinv(information, hermitian=True)
+        found[block] -= np.outer(size, size) / (size @ information @ size)
+        return found
 
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
         slopes = np.array([*map(stats.rounded_covariance, self.slopes)]).reshape(self.slopes.shape)
-        return replace(
-            self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
-        )
+        mixtures = tuple(Mixture(digits(w), digits(v), dof) for w, v, dof in self.mixtures)
+        variance, covariance = digits(self.variance), digits(self.covariance)
+        return replace(self, variance=variance, covariance=covariance, slopes=slopes, mixtures=mixtures)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
         tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
         tree |= {"labels": dict(self.labels)} if self.labels else {}
+        tree |= {"mixtures": [one._asdict() for one in self.mixtures]} if self.mixtures else {}
         return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
 
     @classmethod
@@ -353,7 +387,21 @@ class ScatterModel:
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
         uneven, tail_dof = Uneven(**tree["uneven"]), float(tree.get("tail_dof", np.inf))
-        return cls(names=words, levels=levels, uneven=uneven, labels=labels, tail_dof=tail_dof, **arrays)
+        mixtures = tuple(
+            Mixture(
+                np.array(one["weight"], np.float64), np.array(one["variance"], np.float64), float(one["dof"])
+            )
+            for one in tree.get("mixtures", ())
+        )
+        return cls(
+            names=words,
+            levels=levels,
+            uneven=uneven,
+            labels=labels,
+            tail_dof=tail_dof,
+            mixtures=mixtures,
+            **arrays,
+        )
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -394,21 +442,23 @@ def estimated(
     parts = _parts_of(_separable(layout, left, rise), layout, rise, full=bool(Z.shape[1]))
     known = Z @ Z.T if Z.shape[1] else np.zeros(())
     # In units of what the residuals scatter by.
-    reml = _Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare)
+    reml = Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare)
     variance, at = reml.solved()
     inverse, C, adjusted = at.corrections()
     slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
     slopes[np.ix_(np.arange(len(parts)), place, place)] = at.half @ C @ at.half.T
-    counts = layout.level_counts
+    counts, groups = layout.level_counts, [name for name in parts if name in layout.groups]
+    mixtures = (reml.mixture(name, _levels(name, layout, rise), variance) for name in groups)
     model = ScatterModel(
         names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
         labels={name: words for name, words in layout.labels.items() if name in parts}, tail_dof=layout.tail_dof,
+        mixtures=tuple(one._replace(variance=one.variance * size2) for one in mixtures),
     )  # fmt: skip
     whitening = at.whitening / size2**0.5
     weight = {"std": 1.0 / whitening} if whitening.ndim == 1 else {"root": whitening}
     covariance = at.half @ adjusted @ at.half.T * size2
-    moved = size2**0.5 * at.half @ (at.left.T @ _times(whitening, Z))
+    moved = size2**0.5 * at.half @ (at.left.T @ times(whitening, Z))
     return Estimate(replace(problem, **weight), model, covariance, moved)
 
 
@@ -458,7 +508,7 @@ def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
     values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
     X, slopes = J[:, weighted.vary], slopes[:, weighted.vary]
     there = values - weighted.conditions.log_end_tension
-    shared = np.outer(rise, there * (layout.groups[name] == level)) * (model.variance[place] > 0.0)
+    shared = np.outer(rise, there * (layout.groups[name] == level))
     size = max(float(model.variance[place]), 0.0)
     half, left = stats.decomposed(weighted.whitened(X.T).T).root()
     k = size * weighted.whitened(shared)
@@ -494,7 +544,14 @@ def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
         return factor / layout.size
     if name == CONDITION:
         return np.sqrt(np.outer(factor, factor)) * _same(layout.condition) if layout.nested else factor
-    return np.outer(rise, rise) * _same(layout.groups[name])
+    levels = _levels(name, layout, rise)
+    return levels @ levels.T
+
+
+def _levels(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
+    """Return by how much each level of a group moves ln F_A of the cells, shape (k, levels)."""
+    level = layout.groups[name]
+    return rise[:, None] * np.equal.outer(level, np.unique(level))
 
 
 def _separable(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]:
@@ -520,132 +577,3 @@ def _separable(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str,
 def _same(level: IntArray) -> FloatArray:
     """Return which pairs of cells share a level, 1 or 0, shape (k, k)."""
     return np.equal.outer(level, level).astype(np.float64)
-
-
-def _times(whitening: FloatArray, columns: FloatArray) -> FloatArray:
-    return columns * whitening[:, None] if whitening.ndim == 1 else whitening @ columns
-
-
-class _Moments(NamedTuple):
-    """The restricted likelihood of some variances, in coordinates in which V is one: its score and information."""
-
-    likelihood: float
-    score: FloatArray
-    information: FloatArray
-    whitening: FloatArray
-    half: FloatArray
-    left: FloatArray
-    parts: list[FloatArray]
-
-    def corrections(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the covariance of the variances, Uᵀ A_i U, and Kenward and Roger's factor of the covariance.
-
-        I + 2 Σ w_ij (Uᵀ A_i A_j U − Uᵀ A_i U Uᵀ A_j U), A_i the whitened parts and U the whitened slopes' basis.
-        """
-        inverse = np.asarray(np.linalg.pinv(self.information, hermitian=True), np.float64)
-        C = np.stack([_seen(self.left, A) for A in self.parts])
-        factor = np.eye(self.left.shape[1])
-        for i, A in enumerate(self.parts):
-            for j, B in enumerate(self.parts):
-                product = _seen(self.left, A * B) if A.ndim == 1 else (self.left.T @ A) @ (B @ self.left)
-                factor = factor + 2.0 * inverse[i, j] * (product - C[i] @ C[j])
-        return inverse, C, 0.5 * (factor + factor.T)
-
-
-def _seen(left: FloatArray, A: FloatArray) -> FloatArray:
-    """Return Uᵀ A U for a matrix or a diagonal, shape (q, q)."""
-    return np.asarray((left.T * A) @ left if A.ndim == 1 else left.T @ A @ left)
-
-
-def _whitening(V: FloatArray, least: FloatArray) -> tuple[FloatArray, float] | None:
-    """Return R with Rᵀ R = V⁻¹, or its diagonal, and ln |V|; None unless `least` is positive definite."""
-    if V.ndim == 1:
-        return (V**-0.5, float(np.log(V).sum())) if float(least.min()) > 0.0 else None
-    try:
-        np.linalg.cholesky(least)
-        triangle = np.linalg.cholesky(V)
-    except np.linalg.LinAlgError:
-        return None
-    return np.linalg.inv(triangle), 2.0 * float(np.log(np.diag(triangle)).sum())
-
-
-def _turned(whitening: FloatArray, part: FloatArray) -> FloatArray:
-    """Return R A Rᵀ, or its diagonal."""
-    return part * whitening**2 if part.ndim == 1 else whitening @ part @ whitening.T
-
-
-def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[FloatArray, list[float]]:
-    """Return tr(A_i A_j) − 2 tr(Uᵀ A_i A_j U), shape (m, m), and eᵀ A_i e − tr(A_i)."""
-    if A[0].ndim == 1:
-        rest = 1.0 - 2.0 * (left**2).sum(axis=1)
-        trace = [[float(rest @ (a * b)) for a in A] for b in A]
-        return np.array(trace), [float(a @ (e * e - 1.0)) for a in A]
-    trace = [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
-    return np.array(trace), [float(e @ a @ e - np.trace(a)) for a in A]
-
-
-class _Reml(NamedTuple):
-    """Residuals r of k means with slopes X, V = Σ s_i part_i + known, and the squares of repeats about their means."""
-
-    r: FloatArray
-    X: FloatArray
-    parts: Mapping[str, FloatArray]
-    known: FloatArray
-    squares: float
-    spare: int
-
-    def solved(self) -> tuple[FloatArray, _Moments]:
-        """Return the variances of greatest restricted likelihood, by Fisher's scoring with steps that must gain."""
-        within = max(self.squares / self.spare, 1e-3) if self.spare else 0.5
-        start = {CONDITION: max(1.0 - within, 0.1)}
-        s = np.array([within if name == REPEAT else start.get(name, 1e-3) for name in self.parts])
-        at = self.moments(s)
-        while at is None:  # what is known may be more than all that residuals show
-            s = 2.0 * s
-            at = self.moments(s)
-        share = 1.0
-        for _ in range(_ROUNDS):
-            # On the way to the edge of what is possible each step is a part of the one before it.
-            share = min(1.0, _LONGER * share)
-            whole, new = np.linalg.lstsq(at.information, at.score, rcond=None)[0], None
-            for _ in range(_HALVINGS):
-                new = self.moments(s + share * whole)
-                if new is not None and new.likelihood >= at.likelihood - _SETTLED:
-                    break
-                share, new = 0.5 * share, None
-            if new is None:
-                break
-            step, gain = share * whole, abs(new.likelihood - at.likelihood)
-            s, at = s + step, new
-            if gain < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(np.abs(s).max()):
-                break
-        return s, at
-
-    def moments(self, s: FloatArray) -> _Moments | None:
-        """Return what the likelihood says at some variances; None where they leave no covariance."""
-        of = dict(zip(self.parts, s.tolist(), strict=True))
-        V = self.known + sum(size * self.parts[name] for name, size in of.items())
-        repeat = of.get(REPEAT, 0.0)
-        floor = _LEAST * repeat * self.parts[REPEAT] if REPEAT in of else 0.0 * V
-        if REPEAT in of and repeat <= 0.0:
-            return None
-        if (found := _whitening(V, V - floor)) is None:
-            return None
-        whitening, log_det = found
-        svd = stats.decomposed(_times(whitening, self.X))
-        half, left = svd.root()
-        log_det += 2.0 * float(np.log(svd.values[~svd.lost]).sum() + np.log(svd.length).sum())
-        e = _times(whitening, self.r[:, None])[:, 0]
-        e = e - left @ (left.T @ e)
-        A = [_turned(whitening, part) for part in self.parts.values()]
-        trace, score = _sums(A, left, e)
-        C = [_seen(left, a) for a in A]
-        information = 0.5 * (trace + np.array([[float((c * d).sum()) for c in C] for d in C]))
-        gradient = 0.5 * np.array([x + float(np.trace(c)) for x, c in zip(score, C, strict=True)])
-        likelihood = -0.5 * (log_det + float(e @ e))
-        if REPEAT in of and self.spare:
-            place = [*of].index(REPEAT)
-            information[place, place] += 0.5 * self.spare / repeat**2
-            gradient[place] += 0.5 * (self.squares / repeat**2 - self.spare / repeat)
-            likelihood -= 0.5 * (self.spare * np.log(repeat) + self.squares / repeat)
-        return _Moments(float(likelihood), gradient, information, whitening, half, left, A)

@@ -287,7 +287,8 @@ def _spreads(
 
     def spread(along: FloatArray) -> tuple[FloatArray, FloatArray]:
         variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
-        return np.sqrt(variance), fit.scatter.reach(0.5 + 0.5 * level, along.T @ back, known=known)
+        reach = fit.scatter.reach(0.5 + 0.5 * level, variance, along.T @ back, known=known)
+        return np.sqrt(variance), reach
 
     return spread
 

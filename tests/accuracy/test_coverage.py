@@ -117,20 +117,23 @@ def test_a_clear_effect_is_found_in_most_campaigns():
         assert verdicts(Design("constant", 12, 5, special=effect), 20)["effect"] >= least, effect
 
 
-def supported_of(design, n):
-    """In how many campaigns any law is supported."""
-    return sum(choose_law(compare_laws(design.table(seed)[0])).verdict.supported for seed in range(n))
+def words_of(design, n):
+    """The verdict on the law that is used, campaign by campaign."""
+    return [choose_law(compare_laws(design.table(seed)[0])).verdict.word for seed in range(n)]
 
 
 @pytest.mark.parametrize("misfit", MISFITS)
-def test_what_no_law_describes_is_not_supported_quick(misfit):
-    assert not supported_of(Design("constant", 12, 5, special=misfit), 1)
+def test_what_no_law_describes_is_undecided_quick(misfit):
+    """Of a size effect that ends a law on its bound fits best. It was not judged, though conditions contradict it."""
+    assert words_of(Design("constant", 12, 5, special=misfit), 1) == ["undecided"]
 
 
 @pytest.mark.release
 @pytest.mark.parametrize("misfit", MISFITS)
-def test_what_no_law_describes_is_supported_in_a_twentieth_of_campaigns_at_most(misfit):
+def test_what_no_law_describes_is_undecided_in_19_of_20_campaigns(misfit):
     """A bend in the wrap, a threshold in the wheel radius, a size effect that ends, each far beyond the scatter."""
     designs = ((12, WITHIN), (12, 0.0), (20, WITHIN), (20, 0.0), (36, WITHIN))
-    found = {key: supported_of(Design("constant", key[0], 5, key[1], misfit), 20) for key in designs}
-    assert sum(found.values()) <= 5, found
+    found = [
+        word for k, between in designs for word in words_of(Design("constant", k, 5, between, misfit), 20)
+    ]
+    assert found.count("undecided") >= 95, found

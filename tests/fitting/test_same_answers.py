@@ -14,7 +14,6 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import Outlook, planned_fit
 from ropefric.fitting.next_tests import _outlook as outlook
 from ropefric.fitting.predict import predict
-from ropefric.fitting.scatter import ScatterModel
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.friction.laws import LAWS
 
@@ -63,7 +62,8 @@ def test_a_plan_starts_from_the_interval_that_predict_gives(law, theta, repeats)
     fit = fit_law(roped(repeats=repeats, law=law, theta=theta), law)
     found, expected = predict(fit, WHEEL, method="linear"), before(planned_fit(fit), WHEEL)
     assert expected.std_log == pytest.approx(found.std_log, rel=0.03)
-    assert expected.half_width_log == pytest.approx(found.log_half_width, rel=0.15)
+    # The plan holds the variances as they were estimated.
+    assert expected.half_width_log == pytest.approx(found.log_half_width, rel=0.25)
 
 
 def test_more_pulls_with_the_same_ropes_hardly_narrow_the_plan():
@@ -98,22 +98,6 @@ def test_a_rival_without_an_answer_at_one_wheel_widens_the_others():
     answers = rival.friction_law.answers(rival.theta, wheels)
     alone = predict(rivals, wheels.select(np.array([0])))
     assert predict(rivals, wheels).interval_N[0] == pytest.approx(alone.interval_N[0], rel=1e-12), answers
-
-
-def test_a_variance_known_by_less_than_one_degree_of_freedom_is_not_believed():
-    """v/√ν has the uncertainty of v and one degree of freedom; of one and more nothing changes."""
-    row = np.ones((1, 1))
-    for v, spread in ((1.0, 0.5), (1.0, 2.0), (0.1, 2.0), (1e-9, 2.0)):
-        model = ScatterModel(names=("condition",), levels=(3,), variance=np.array([v]),
-            covariance=np.array([[spread]]), slopes=np.ones((1, 1, 1)))  # fmt: skip
-        dof = 2.0 * v**2 / spread
-        whole = ScatterModel(names=("condition",), levels=(3,), variance=np.ones(1),
-            covariance=np.array([[2.0 / max(dof, 1.0)]]), slopes=np.ones((1, 1, 1)))  # fmt: skip
-        std = math.sqrt(v if dof >= 1.0 else math.sqrt(0.5 * spread))
-        assert model.reach(0.975, row) * math.sqrt(v) == pytest.approx(
-            std * whole.reach(0.975, row), rel=1e-6
-        )
-        assert model.dof(row) == max(dof, 1.0)
 
 
 # ---- however the table is written ----

@@ -92,6 +92,47 @@ def test_mixed_model_of_statsmodels():
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(0.002149178830928148, rel=1e-3)
 
 
+# By seed: slope, variances of its change by rope and by wheel, those by condition and by pull, error of the slope.
+DRAWN = {
+    1: (0.19890318891317657, 2.5006337516715423e-05, 5.8814164670000024e-05, 7.091960768359794e-05,
+        0.00037364312259445065, 0.00439545205837617),
+    2: (0.1952779965899222, 2.0484632888076082e-05, 9.715739822322366e-05, 0.000314713013212583,
+        0.0003131965116191024, 0.005378814623771088),
+    3: (0.19143711487781806, 0.00012138586672927191, 4.6805343590384405e-05, 0.00034161682750707983,
+        0.0004743594888504092, 0.005775468648093575),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", DRAWN)
+def test_mixed_model_of_statsmodels_with_random_ropes_and_wheels(seed):
+    """Six conditions, 6 to 14 pulls each with any of six ropes on any of four wheels, `rise` rounded to 1e-4.
+
+    mixedlm("y ~ 0 + wrap", groups=one, re_formula="0", vc_formula={"rope": "0+C(r):wrap", "wheel": "0+C(w):wrap",
+    "condition": "0+C(c)"}).fit(reml=True) of statsmodels 0.15.0, the likeliest of lbfgs, powell and bfgs.
+    """
+    rng = np.random.default_rng(seed)
+    condition = np.repeat(np.arange(6), rng.integers(6, 15, 6))
+    rope, on = rng.integers(0, (6, 4), (condition.size, 2)).T
+    mu = 0.2 * (1 + 0.04 * rng.normal(size=6)[rope] + 0.03 * rng.normal(size=4)[on])
+    rise = (
+        mu * WRAPS[condition] + 0.015 * rng.normal(size=6)[condition] + 0.02 * rng.normal(size=condition.size)
+    )
+    groups = {"rope": [f"r{i}" for i in rope], "wheel": [f"w{i}" for i in on]}
+    theta, found = settled(constant_problem(WRAPS[condition], rise.round(4), condition), groups)
+    slope, by_rope, by_wheel, by_condition, by_pull, error = DRAWN[seed]
+    assert theta[0] == pytest.approx(slope, rel=1e-4)
+    printed = {
+        "rope": by_rope / slope**2,
+        "wheel": by_wheel / slope**2,
+        "condition": by_condition,
+        "repeat": by_pull,
+    }
+    variances = dict(zip(found.model.names, found.model.variance, strict=True))
+    assert variances == pytest.approx(printed, rel=2e-3)
+    # Before Kenward and Roger's correction, as theirs.
+    assert math.sqrt(found.model.slopes[:, 0, 0] @ found.model.variance) == pytest.approx(error, rel=1e-3)
+
+
 def test_reml_of_a_curved_law_with_a_known_error_by_direct_search():
     """The restricted likelihood of the whole covariance matrix of all trials, maximised by another minimiser."""
     rng = np.random.default_rng(3)
@@ -152,8 +193,33 @@ def test_ropes_crossed_with_conditions_are_the_analysis_of_variance():
     theta, found = settled(problem, {"rope": [f"r{r}" for r in ropes]})
     mu = [WRAPS @ rise[ropes == r] / (WRAPS @ WRAPS) for r in range(3)]
     assert theta[0] == pytest.approx(np.mean(mu), rel=1e-6)
-    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(np.std(mu, ddof=1) / math.sqrt(3), rel=1e-6)
+    std = np.std(mu, ddof=1) / math.sqrt(3)
+    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(std, rel=1e-6)
     assert found.model.dof(np.eye(1))[0] == pytest.approx(2.0, rel=1e-4)
+    reach = found.model.reach(0.975, np.diag(found.covariance), np.eye(1))
+    assert reach == pytest.approx(stats.t.ppf(0.975, 2), rel=1e-3)
+
+
+@pytest.mark.parametrize("alike", [1.0, 0.3, 0.03])
+def test_ropes_that_happen_to_be_alike_may_still_differ(alike):
+    """Mean squares of a balanced design drawn from their distributions, none of ropes below that of pulls.
+
+    The variance of the mean law had an interval of nearly no width where the ropes were alike by chance.
+    """
+    rng, S = np.random.default_rng(4), float(WRAPS @ WRAPS)
+    ropes, pulls = np.tile([0, 1, 2], 6), rng.normal(size=18)
+    of = np.equal.outer(ropes, range(3)) * np.repeat(WRAPS, 3)[:, None]
+    pulls -= of @ (of.T @ pulls) / S
+    within, between = float(pulls @ pulls) * 1e-4, alike * 2e-4
+    mu = 0.2 + math.sqrt(between / S / 2.0) * np.array([-1.0, 0.0, 1.0])
+    problem = constant_problem(np.repeat(WRAPS, 3), of @ mu + 0.01 * pulls, np.arange(18))
+    model = settled(problem, {"rope": [f"r{r}" for r in ropes]})[1].model
+    by_rope, by_pull = between / rng.chisquare(2, 10**6), within / rng.chisquare(15, 10**6)
+    good = by_rope > by_pull
+    precision = 3.0 * S / by_rope[good]
+    variance, dof = model.integrated(np.eye(1))
+    assert variance[0] == pytest.approx(1.0 / precision.mean(), rel=0.01)
+    assert dof[0] == pytest.approx(2.0 * precision.mean() ** 2 / precision.var(), rel=0.02)
 
 
 # --- simulations ----------------------------------------------------------------------------------------------------

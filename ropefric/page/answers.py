@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import re
 import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -164,8 +163,11 @@ def solve_machine(name: str, values: Mapping[str, str], own: FitResult | None) -
 
 def _fits(name: str, key: str) -> bool:
     """Return whether a declared name, in which … and [] are names and numbers of the user, matches a key."""
-    pattern = re.escape(name).replace("…", r"[^.]+").replace(r"\[\]", r"\.\d+")
-    return re.fullmatch(pattern, key) is not None
+    wanted, given = name.replace("[]", ".[]").split("."), key.split(".")
+    return len(wanted) == len(given) and all(
+        one in {"…", part} or (one == "[]" and part.isdecimal())
+        for one, part in zip(wanted, given, strict=True)
+    )
 
 
 def _value(text: str) -> Any:

@@ -224,7 +224,7 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
     weighted = replace(layout.problem, std=layout.size**-0.5)
     theta, converged, notes = _minimum(weighted, _starts(weighted, settings))
     for _ in range(_ROUNDS):
-        found = estimated(layout, theta, problem.vary, errors(theta)[1])
+        found = estimated(layout, theta, problem.vary, errors(theta)[1], mixed=False)
         if found is None:
             break
         settled = _as_before(weighted, found.weighted)

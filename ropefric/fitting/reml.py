@@ -14,7 +14,8 @@ from ropefric.fitting.statistics import decomposed
 Known = FloatArray | float
 CONDITION, REPEAT = "condition", "repeat"
 
-# The variance of a mean stays above this part of what its repeats leave, however low the others happen to be.
+# The variance of a mean stays above this part of what its repeats leave (of single pulls, what pulls scatter by),
+# however low the others happen to be.
 _LEAST = 0.05
 _ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
 _SETTLED, _CLOSE = 1e-9, 1e-10
@@ -152,10 +153,10 @@ class Reml(NamedTuple):
         """Return what the likelihood says at some variances; None where they leave no covariance."""
         of = dict(zip(self.parts, s.tolist(), strict=True))
         V = self.known + sum(size * self.parts[name] for name, size in of.items())
-        repeat = of.get(REPEAT, 0.0)
-        floor = _LEAST * repeat * self.parts[REPEAT] if REPEAT in of else 0.0 * V
-        if REPEAT in of and repeat <= 0.0:
+        repeat, last = of.get(REPEAT, 1.0), [*of][-1]
+        if repeat <= 0.0:
             return None
+        floor = _LEAST * max(of[last], 0.0) * self.parts[last]
         if (found := _whitening(V, V - floor)) is None:
             return None
         whitening, log_det = found

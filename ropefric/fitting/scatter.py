@@ -420,12 +420,17 @@ class Estimate(NamedTuple):
 
 
 def estimated(
-    layout: Layout, theta: FloatArray, free: BoolArray, errors: FloatArray | None = None
+    layout: Layout,
+    theta: FloatArray,
+    free: BoolArray,
+    errors: FloatArray | None = None,
+    *,
+    mixed: bool = True,
 ) -> Estimate | None:
     """Return the scatter of cells about their law at theta, for the parameters that are `free`.
 
-    `errors` (k, b): how one standard uncertainty of each stated error moves ln F_A of each cell. None where nothing is
-    left to estimate from: no cell more than parameters, or means that agree with the law to rounding.
+    `errors` (k, b): how one standard uncertainty of each stated error moves ln F_A of each cell. Weights alone need no
+    mixtures (`mixed`). None where nothing is left to estimate from: no cell more than parameters, or means that agree with the law to rounding.
     """
     problem, p = layout.problem, theta.size
     values, J = problem.law.log_lift_and_jacobian(theta, problem.conditions)
@@ -447,7 +452,7 @@ def estimated(
     inverse, C, adjusted = at.corrections()
     slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
     slopes[np.ix_(np.arange(len(parts)), place, place)] = at.half @ C @ at.half.T
-    counts, groups = layout.level_counts, [name for name in parts if name in layout.groups]
+    counts, groups = layout.level_counts, [name for name in parts if mixed and name in layout.groups]
     mixtures = (reml.mixture(name, _levels(name, layout, rise), variance) for name in groups)
     model = ScatterModel(
         names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,

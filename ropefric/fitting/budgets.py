@@ -308,25 +308,19 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     """
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
     found, notes = _of_chains(chains, trials) if chains else ([], [_NO_CHAIN])
-    found += _of_picks(trials)
+    bias_N = _mean(trial.breakaway.bias_N for trial in trials)
+    picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
+    found.append((limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)), ""))
+    found.append((Quantity("picking", "δ_pick", "N", picking_N), _OWN.format("peak to pick", picking_N)))
     several = len(trials) > 1
     notes += [own for item, own in found if own and item.std and several]
     return [item for item, own in found if not (own and several)], notes
 
 
-def _of_picks(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, str], ...]:
-    """Return the corrections of picked peaks, each with what to say where it is each trial's own."""
-    bias_N = _mean(trial.breakaway.bias_N for trial in trials)
-    picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
-    bias = limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N))
-    picking = Quantity("picking", "δ_pick", "N", picking_N)
-    return (bias, ""), (picking, _OWN.format("peak to pick", picking_N))
-
-
 def _of_chains(
     chains: Sequence[Calibration], trials: Sequence[TrialResult]
 ) -> tuple[list[tuple[Quantity, str]], list[str]]:
-    """Return the corrections of measuring chains, likewise, and a note where the cells differ."""
+    """Return the corrections of measuring chains, each with a remark if it is a trial's own, and notes."""
     worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
     largest, notes = worst.cell, []
     if any(chain.cell != largest for chain in chains):

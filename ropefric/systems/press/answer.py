@@ -108,10 +108,6 @@ def take_up(effects: Collection[str]) -> TakeUp:
     return "elastic" if springs else "locked"
 
 
-_SWITCHES = {"exact_switching": "exact-switching", "follows": "transient-friction"}
-"""Settings of a start-up by the effects that set them."""
-
-
 def solve_press(model: PressModel) -> PressAnswer:
     """Return tensions and slip of a model, and its start-up where it has one."""
     problem, task = model.problem, model.start_up
@@ -131,8 +127,14 @@ def solve_press(model: PressModel) -> PressAnswer:
     state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:
-        switches = {name: effect in model.effects for name, effect in _SWITCHES.items()}
-        moved = start_up(model.as_operated, effects=model.effects, **switches, **law, **task)
+        moved = start_up(
+            model.as_operated,
+            effects=model.effects,
+            exact_switching="exact-switching" in model.effects,
+            follows="transient-friction" in model.effects,
+            **law,
+            **task,
+        )
     slip = SlipTable(model.press, state.effective_tension_N, **law)
     return PressAnswer(model, statics, state, still.effective_tension_N, slip, moved)
 

@@ -170,7 +170,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
     for length in lengths:
         stop = start + length
         if stop >= values.size:
-            # A last sample that jumps away cannot be told from the first one of something new: leave it out.
+            # A last sample that jumps away may be the first one of something new: it is left out.
             return int(stop) if stop == values.size and length <= MAX_LAST_SAMPLES else 0
         back = float(steps[stop - 1])
         # A peak is climbed in steps of its own size; what comes after it may be flat.

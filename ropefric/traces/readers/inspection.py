@@ -190,8 +190,8 @@ def _tried(found: Inspection, source: Source) -> Inspection:
         return replace(found, stopped=f"{error.problem.message}{fix}")
     said = _summary_of(traces, signals.get("force", "N"))
     said += f"; not yet in newtons: {', '.join(signals)}" if signals else ""
-    told = (note for trace in traces for note in trace.notes)
-    return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
+    notes = dict.fromkeys(chain(found.notes, *(trace.notes for trace in traces)))
+    return replace(found, read=said, notes=tuple(notes))
 
 
 def as_signals(profile: ImportProfile) -> tuple[ImportProfile, dict[str, str]]:

@@ -126,7 +126,7 @@ def _block(text: Text, tags: _Tags, columns: str, layout: ImportProfile, notes: 
     def clock(index: int) -> FloatArray | None:
         if columns != "no":
             return table.values([own_x[index]])[0] if index in own_x else None
-        start_s, step_s = (_float(told.get(index, "")) for told in (starts, steps))
+        start_s, step_s = (_float(tag.get(index, "")) for tag in (starts, steps))
         n_rows = table.values([index])[0].size if index in channels and step_s > 0 else 0
         return np.asarray(start_s + step_s * np.arange(n_rows), dtype=np.float64) if n_rows else None
 

@@ -95,9 +95,9 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
     expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
-    told = blocks_of_header(dialect.header[: n_blocks * width])
-    told = told if len(told) == n_blocks else []
-    names = [block.names for block in told] or names
+    blocks = blocks_of_header(dialect.header[: n_blocks * width])
+    blocks = blocks if len(blocks) == n_blocks else []
+    names = [block.names for block in blocks] or names
     dialect = replace(dialect, units=tuple(chain(*units)))
     whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
 
@@ -121,7 +121,7 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             sample=sample,
             stamps=frozenset(index - block * width for index in whole.stamps),
         )
-        for block, sample in enumerate(_block_names(text, dialect, profile, [one.sample for one in told]))
+        for block, sample in enumerate(_block_names(text, dialect, profile, [one.sample for one in blocks]))
     )
 
 
@@ -132,13 +132,15 @@ def _by_block(cells: Sequence[str], n_blocks: int, width: int) -> list[tuple[str
     return [block if any(block) else blocks[0] for block in blocks]
 
 
-def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, told: Sequence[str]) -> Sequence[str]:
+def _block_names(
+    text: Text, dialect: Dialect, profile: ImportProfile, in_header: Sequence[str]
+) -> Sequence[str]:
     """Return the blocks' names: the first filled cell of each in the names row, else those of the header, or numbers."""
     row, width = profile.block_names_row, profile.block_columns
     n_blocks = dialect.n_cells // width
     cells = split_line(text.line(row), dialect.separator) if row >= 1 else []
-    if not cells and told:
-        return told
+    if not cells and in_header:
+        return in_header
     names = [
         next(filter(None, cells[block * width : (block + 1) * width]), str(block + 1))
         for block in range(n_blocks)

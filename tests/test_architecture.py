@@ -50,11 +50,19 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+STATEMENTS = (ast.Import, ast.ImportFrom, ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
 @cache
 def all_nodes(path: Path) -> dict[type[ast.AST], list[ast.AST]]:
+    """All statements that are looked at, by their kind; expressions hold none."""
     found: dict[type[ast.AST], list[ast.AST]] = {}
-    for node in ast.walk(tree_of(path)):
-        found.setdefault(type(node), []).append(node)
+    todo: list[ast.AST] = [tree_of(path)]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, STATEMENTS):
+            found.setdefault(type(node), []).append(node)
+        todo += (one for one in ast.iter_child_nodes(node) if not isinstance(one, ast.expr))
     return found
 
 

@@ -59,7 +59,7 @@ def test_long_headings_are_folded_where_that_makes_a_table_fit():
 
 
 def test_causes_that_were_not_tested_are_one_line():
-    found = rf.diagnose(TRIALS)
+    found = rf.diagnose(TRIALS, rf.compare(TRIALS, ["coupled"]))
     notes = diagnosis_section(found).notes
     supported = [one.cause for one in found.causes if one.supported == "yes"]
     assert [note.partition(":")[0] for note in notes] == [*supported, "not supported", "not tested"]

@@ -76,12 +76,12 @@ def exact_interval(law: str) -> tuple[float, float, float]:
 def by_covariance(problem: FitProblem, theta: FloatArray, _: int = 0) -> FloatArray:
     """Return the ends of the interval of μ by the covariance of the estimate."""
     half_width = _FACTOR * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0])
-    return theta + half_width * np.array([-1.0, 1.0])
+    return np.asarray(theta + half_width * np.array([-1.0, 1.0]))
 
 
 def by_profile(problem: FitProblem, theta: FloatArray, _: int = 0) -> FloatArray:
     """Return the ends of the interval of μ by the profile of the likelihood."""
-    return profile_intervals(problem, theta, level=LEVEL).ci[0]
+    return np.asarray(profile_intervals(problem, theta, level=LEVEL).ci[0])
 
 
 def by_draws(problem: FitProblem, theta: FloatArray, seed: int = 0, *, n: int) -> FloatArray:

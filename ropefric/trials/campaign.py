@@ -119,8 +119,7 @@ def load_campaign(
         raise UnknownNameError(f"unknown word {missing_recordings!r}", key="missing_recordings", fix=fix)
     campaign, problems = examine_campaign(path, flag_missing=missing_recordings == "flag")
     raise_problems(problems)
-    if campaign is None:  # pragma: no cover - no campaign without an error would be our own mistake
-        raise DataError("the campaign cannot be read", path=str(path))
+    assert campaign is not None  # noqa: S101  (where there is none, there is an error)
     return campaign
 
 

@@ -116,13 +116,11 @@ def _samples_of(
             wrong.setdefault(read.reason if isinstance(read, Lost) else read, []).append(paths[number].name)
         else:
             samples[number] = read
-    shown = {
-        why: f"{', '.join(some[:_SHOWN])}{', …' if len(some) > _SHOWN else ''}" for why, some in wrong.items()
-    }
-    return samples, [
-        f"{counted(len(some), 'file')} of {len(paths)} not read so: {shown[why]}: {why}"
-        for why, some in wrong.items()
-    ]
+    unread = []
+    for why, some in wrong.items():
+        shown = ", ".join(some[:_SHOWN]) + (", …" if len(some) > _SHOWN else "")
+        unread.append(f"{counted(len(some), 'file')} of {len(paths)} not read so: {shown}: {why}")
+    return samples, unread
 
 
 def inspected(paths: Sequence[Path], known: ImportProfile, limits: Limits) -> Inspection | str:

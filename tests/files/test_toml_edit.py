@@ -4,7 +4,7 @@ import difflib
 import tomllib
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError
@@ -103,6 +103,7 @@ def test_what_would_change_other_keys_is_refused(text, path, value):
     assert (refused.value.code, refused.value.problem.key) == ("RF105", ".".join(path))
 
 
+@settings(max_examples=40)
 @given(
     value=st.text()
     | st.integers(-(2**63), 2**63 - 1)

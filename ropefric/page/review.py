@@ -235,7 +235,7 @@ class Review:
         self._jobs = jobs
         self._deciding = threading.RLock()  # held while a decision is written and measured
         self.lock = threading.RLock()  # held for a moment, so that nobody who only looks has to wait
-        self._drawn: tuple[TrialResult | None, Any] = None, None
+        self._drawn: tuple[TrialResult, Curves, dict[str, Any]] | None = None
         self._undo: list[tuple[str, list[Decision]]] = []
         self.n_written = self._number = 0
         self._change: dict[str, Any] | None = None
@@ -503,11 +503,10 @@ class Review:
         """Return a stretch of a recording as it is drawn; NaN means the begin or the end of the recording."""
         state, spec, result = self._seen(trial)
         _refuse_unread(result)
-        held, drawn = self._drawn
-        if held is not result:
-            drawn = drawn_of(state.campaign, spec, result)
-            self._drawn = result, drawn
-        curves, likely = drawn
+        drawn = self._drawn
+        if drawn is None or drawn[0] is not result:
+            drawn = self._drawn = (result, *drawn_of(state.campaign, spec, result))
+        _, curves, likely = drawn
         return decimated(curves, start_s, stop_s, columns) | likely
 
 

@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
-from math import ceil, isclose, isfinite, log10
+from math import ceil, degrees, isclose, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -189,9 +189,11 @@ class _State:
         words = {name: self.words_of(one) for one in conditions for name in one.trials}
         return {name: row_of(trial, words[name]) for name, trial in self.trials.items()}
 
-    def words_of(self, condition: results.ConditionSummary) -> str:
-        """Return the settings of a condition in words."""
-        return results.settings_of(self.trials[condition.trials[0]])
+    def words_of(self, one: results.ConditionSummary) -> str:
+        """Return the settings of a condition in words, as short as a narrow list needs them."""
+        slack = self.campaign.protocol.needs_lift_force
+        known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
+        return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
 
     def condition_of(self, trial: str) -> results.ConditionSummary:
         """Return the condition of a trial."""

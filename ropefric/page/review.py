@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
-from math import ceil, isclose, isfinite, log10
+from math import ceil, degrees, isclose, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -189,9 +189,11 @@ class _State:
         words = {name: self.words_of(one) for one in conditions for name in one.trials}
         return {name: row_of(trial, words[name]) for name, trial in self.trials.items()}
 
-    def words_of(self, condition: results.ConditionSummary) -> str:
-        """Return the settings of a condition in words."""
-        return results.settings_of(self.trials[condition.trials[0]])
+    def words_of(self, one: results.ConditionSummary) -> str:
+        """Return the settings of a condition in words, as short as a narrow list needs them."""
+        slack = self.campaign.protocol.needs_lift_force
+        known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
+        return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
 
     def condition_of(self, trial: str) -> results.ConditionSummary:
         """Return the condition of a trial."""
@@ -235,7 +237,7 @@ class Review:
         self._jobs = jobs
         self._deciding = threading.RLock()  # held while a decision is written and measured
         self.lock = threading.RLock()  # held for a moment, so that nobody who only looks has to wait
-        self._drawn: tuple[TrialResult | None, Any] = None, None
+        self._drawn: tuple[TrialResult, Curves, dict[str, Any]] | None = None
         self._undo: list[tuple[str, list[Decision]]] = []
         self.n_written = self._number = 0
         self._change: dict[str, Any] | None = None
@@ -503,11 +505,10 @@ class Review:
         """Return a stretch of a recording as it is drawn; NaN means the begin or the end of the recording."""
         state, spec, result = self._seen(trial)
         _refuse_unread(result)
-        held, drawn = self._drawn
-        if held is not result:
-            drawn = drawn_of(state.campaign, spec, result)
-            self._drawn = result, drawn
-        curves, likely = drawn
+        drawn = self._drawn
+        if drawn is None or drawn[0] is not result:
+            drawn = self._drawn = (result, *drawn_of(state.campaign, spec, result))
+        _, curves, likely = drawn
         return decimated(curves, start_s, stop_s, columns) | likely
 
 

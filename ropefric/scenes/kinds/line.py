@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from inspect import getdoc
 from typing import Annotated, Any, get_args, get_type_hints
 
 import numpy as np
@@ -131,7 +132,7 @@ class _ElementTable(kind.Table):
 
 
 _MEANINGS = "\n".join(
-    f"    {key} : Of a {', '.join(one.kind for one in has)}: {given.meaning}"
+    f"{key} : Of a {', '.join(one.kind for one in has)}: {given.meaning}"
     for key, (given, _, _, has) in _KEYS.items()
 )
 _FIELDS: dict[str, Any] = {
@@ -140,7 +141,7 @@ _FIELDS: dict[str, Any] = {
 ElementTable: Any = create_model(
     "ElementTable",
     __base__=_ElementTable,
-    __doc__=f"{_ElementTable.__doc__}{_MEANINGS.lstrip()}\n",
+    __doc__=f"{getdoc(_ElementTable)}\n{_MEANINGS}\n",  # indented or not, as the version of Python has it
     **_FIELDS,
 )
 """The keys of all kinds of elements, of which each table has those of its own kind."""

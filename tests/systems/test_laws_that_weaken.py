@@ -23,7 +23,7 @@ def test_a_law_that_weakens_keeps_to_what_that_means():
         law, rng, n = ALL_LAWS[name], np.random.default_rng(1), 60
         wrap = np.geomspace(1e-3, 40.0, n)
         checked = 0
-        for _ in range(60):
+        for _ in range(30):
             theta = parameters(law, rng)
             own = {"wheel_radius_m": 10.0 ** rng.uniform(-2.0, 0.0),
                    "rope_radius_m": 10.0 ** rng.uniform(-3.5, -2.0),
@@ -56,4 +56,4 @@ def test_a_law_that_weakens_keeps_to_what_that_means():
                 steps = np.diff(rise(**{key: own[key] * np.geomspace(0.1, 10.0, n)}))
                 assert (steps <= tiny).all() or (steps >= -tiny).all(), key
                 assert "size" in law.effects or not steps.any(), key
-        assert checked > 15, name
+        assert checked > 7, name

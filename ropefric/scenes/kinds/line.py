@@ -159,7 +159,19 @@ class LineScene(kind.SceneTable):
         elements = [one.element(place) for place, one in enumerate(self.element)]
         if not elements:
             reject("RF121", "the line has no element", fix="add a table [[element]]", key="element")
-        line, drums = self.line, [one for one in elements if isinstance(one, Drum)]
+        self._check_ends([one for one in elements if isinstance(one, Drum)])
+        self._check_tendon(elements)
+        for place, one in enumerate(elements) if self.friction is None else ():
+            if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
+                reject(
+                    "RF121",
+                    f"no friction is given for {one.name}",
+                    fix="add mu to it, or mu, a law or a fit to [friction]",
+                    key=f"element.{place}",
+                )
+
+    def _check_ends(self, drums: list[Drum]) -> None:
+        line = self.line
         if line.start_tension is not None and line.end_tension is not None and not line.both_ends:
             fix = "keep the one that is known, or add both_ends = true for a tendon"
             reject("RF111", "start_tension and end_tension are both given", fix=fix, key="line.end_tension")
@@ -170,15 +182,6 @@ class LineScene(kind.SceneTable):
         if (line.pull is not None) != any(one.share is not None for one in drums):
             fix = 'give pull = "20 kN" to [line] and a share to its drums, or neither'
             reject("RF121", "a pull needs drums with a share of it", fix=fix, key="line.pull")
-        self._check_tendon(elements)
-        for place, one in enumerate(elements) if self.friction is None else ():
-            if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
-                reject(
-                    "RF121",
-                    f"no friction is given for {one.name}",
-                    fix="add mu to it, or mu, a law or a fit to [friction]",
-                    key=f"element.{place}",
-                )
 
     def _rubs(self, run: Any) -> bool:
         return self.rope.linear_density is not None or run.wobble_1_m is not None

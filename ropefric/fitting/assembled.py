@@ -18,6 +18,7 @@ from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_
 from ropefric.fitting import scatter
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem, FitSettings
+from ropefric.fitting.reml import CONDITION, REPEAT
 from ropefric.fitting.result import (
     DEPEND,
     ERRORS,
@@ -211,7 +212,7 @@ def _statistics(
     found: Found, problem: FitProblem, model: scatter.ScatterModel, dof: float, trends: Sequence[stats.Trend]
 ) -> stats.FitStatistics:
     layout, n, q = found.layout, problem.n_points, problem.n_varying
-    within = layout.within if layout.spare else model.std(scatter.REPEAT)
+    within = layout.within if layout.spare else model.std(REPEAT)
     residuals = problem.residuals(found.theta)
     chi2 = float(residuals @ residuals)
     # −2 ln L of equal, unknown scatters, without the n (1 + ln 2π) that all laws share.
@@ -225,7 +226,7 @@ def _statistics(
         aicc=significant(stats.aicc(deviance, n, q + 1)),
         bic=significant(stats.bic(deviance, n, q + 1)),
         scatter_within=significant(within),
-        scatter_between=significant(model.std(scatter.CONDITION)),
+        scatter_between=significant(model.std(CONDITION)),
         interval_dof=significant(dof) if isfinite(dof) else dof,
         lack_of_fit_p=significant(min((trend.p_value for trend in trends), default=nan)),
     )

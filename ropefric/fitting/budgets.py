@@ -406,15 +406,15 @@ def lift_model(
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
     common = fit.common_changes / [item.std for item in fit.common_errors]
     covariance = fit.covariance - fit.common_changes @ fit.common_changes.T
-    slopes = law.jacobian(theta, wheel)
+    of_law = law.jacobian(theta, wheel)
     if fit.scatter.mixtures:
-        covariance = covariance * (fit.scatter.integrated(slopes)[0] / (slopes @ covariance @ slopes.T)[0])
+        covariance = covariance * (fit.scatter.integrated(of_law)[0] / (of_law @ covariance @ of_law.T)[0])
     block = Block(
         name=f"parameters of {law.name}",
         symbols=tuple(np.array(law.parameter_names)[free].tolist()),
         estimates=theta[free],
         covariance=np.asarray(covariance)[np.ix_(free, free)],
-        dof=float(fit.scatter.dof(slopes)[0]) if has_interval(fit) else 1.0,
+        dof=float(fit.scatter.dof(of_law)[0]) if has_interval(fit) else 1.0,
     )
 
     evaluate = _LiftForce(fit.law, theta, free, first, common)

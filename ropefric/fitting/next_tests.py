@@ -21,6 +21,7 @@ from ropefric.fitting.exchange import Criterion, Evidence, Exchange, best_plan
 from ropefric.fitting.fit import at_level, error_name, error_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
+from ropefric.fitting.reml import CONDITION
 from ropefric.fitting.resolution import (
     FACTORS,
     MOST,
@@ -32,7 +33,6 @@ from ropefric.fitting.resolution import (
     one_factor_plan,
 )
 from ropefric.fitting.result import CommonError, FitResult
-from ropefric.fitting.scatter import CONDITION
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw

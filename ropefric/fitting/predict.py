@@ -23,8 +23,9 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
+from ropefric.fitting.reml import CONDITION, REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
-from ropefric.fitting.scatter import CONDITION, REPEAT, ScatterModel, measured_level
+from ropefric.fitting.scatter import ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.registry import did_you_mean
@@ -472,7 +473,7 @@ def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, o
         return np.ones_like(variance)
     by_repeat = np.array([name == REPEAT for name in scatter.names]) * np.maximum(scatter.variance, 0.0)
     share = own @ by_repeat / np.maximum(variance, np.finfo(np.float64).tiny)
-    return np.interp(share, _SHARES, _reach_of_tails(scatter.tail_dof, probability))
+    return np.asarray(np.interp(share, _SHARES, _reach_of_tails(scatter.tail_dof, probability)))
 
 
 @cache

@@ -430,7 +430,8 @@ def estimated(
     """Return the scatter of cells about their law at theta, for the parameters that are `free`.
 
     `errors` (k, b): how one standard uncertainty of each stated error moves ln F_A of each cell. Weights alone need no
-    mixtures (`mixed`). None where nothing is left to estimate from: no cell more than parameters, or means that agree with the law to rounding.
+    mixtures (`mixed`). None where nothing is left to estimate from: no cell more than parameters, or means that agree
+    with the law to rounding.
     """
     problem, p = layout.problem, theta.size
     values, J = problem.law.log_lift_and_jacobian(theta, problem.conditions)

@@ -332,10 +332,10 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
         of_kept=_of_kept([trial for trial in usable if trial.trial not in rejected]),
     )
     problems = (*series.problems, *_not_as_hung(measured))
-    return summary, (replace(one, message=f"{settings_of(first)}: {one.message}") for one in problems)
+    return summary, (replace(one, message=f"{_settings_of(first)}: {one.message}") for one in problems)
 
 
-def settings_of(trial: TrialResult) -> str:
+def _settings_of(trial: TrialResult) -> str:
     """Return the condition of a trial in words."""
     force = "F_A" if trial.measures_slack else "F_B"
     size, wrap_deg = f"R_w = {1000 * trial.wheel_radius_m:.4g} mm", np.degrees(trial.wrap_angle_rad)

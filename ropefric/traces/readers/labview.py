@@ -21,14 +21,22 @@ from ropefric.traces.readers.table import Reader, Table
 _MAGIC = "LabVIEW Measurement"
 _END = re.compile(rb"^\*\*\*End_of_Header\*\*\*[^\n]*\n", re.MULTILINE)
 _SEPARATORS = {"Tab": "\t", "Comma": ",", "Semicolon": ";", "Space": " "}
-_SPECIAL = re.compile(rb"^\*\*\*Start_Special.*?\*\*\*End_Special[^\n]*", re.MULTILINE | re.DOTALL)
+_SPECIAL = (b"***Start_Special", b"***End_Special")
 
 _Tags = Mapping[str, Sequence[str]]
 
 
 def _without_special_blocks(data: bytes) -> bytes:
     """Return a file with the lines of its special blocks empty, so that the others keep their numbers."""
-    return _SPECIAL.sub(lambda found: b"\n" * found[0].count(b"\n"), data)
+    kept, at, start = [], 0, data.find(_SPECIAL[0])
+    while start >= 0 and (stop := data.find(_SPECIAL[1], start)) >= 0:
+        end = data.find(b"\n", stop)
+        end = len(data) if end < 0 else end
+        if start == 0 or data[start - 1 : start] == b"\n":
+            kept += [data[at:start], b"\n" * data.count(b"\n", start, end)]
+            at = end
+        start = data.find(_SPECIAL[0], max(start + 1, at))
+    return b"".join([*kept, data[at:]])
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:

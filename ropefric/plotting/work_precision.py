@@ -23,8 +23,9 @@ _BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S)")
 def draw_work_precision(result: StudyResult) -> FigureWithData:
     """Return time over error, both logarithmic, for every case of a study; more accurate is further right.
 
-    A thick grey line joins the settings that no other beats in both error and time. Bars are the quartiles of the
-    time. A setting without an answer is in the table only. Cases whose settings do not differ share a panel of times.
+    A thick grey line joins the settings that no other beats in both error and time. Bars reach from the least time to
+    the upper quartile. A setting without an answer is in the table only. Cases whose settings do not differ share a
+    panel of times.
     """
     alike = [case for case in result.study.cases if _is_pile(in_case(result.points, case.name))]
     alike = alike if len(alike) > 1 else []

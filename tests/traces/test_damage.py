@@ -151,7 +151,7 @@ ALLOWED = {LIKE_A_SLIP: 0.35, "tared-again": 0.05}
 it let go and was pulled again from zero; a file tared on the climb looks like the latter."""
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_of_two_thousand_damaged_recordings_no_kind_is_silently_wrong():
     counts = [silent(of_strangers(seed, 4), seed) for seed in (31, 32)]
     whole = {name: np.sum([one[name] for one in counts], axis=0) for name in (*DAMAGES, LIKE_A_SLIP)}

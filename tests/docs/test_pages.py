@@ -193,6 +193,7 @@ def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tm
     assert "paper-prth-cell-03" in notebook, "and what plot() returns a figure"
 
 
+@pytest.mark.portable
 def test_every_key_of_a_scene_has_unit_default_range_and_meaning():
     for kind in KINDS.values():
         keys = {key.name: key for key in scene_keys(kind.schema)}

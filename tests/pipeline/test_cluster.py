@@ -159,10 +159,8 @@ def servants():
 @pytest.mark.parametrize("whom", [[1], [1, 2], [0]], ids=["one worker", "all workers", "the scheduler"])
 def test_a_command_whose_workers_are_killed_goes_on_or_ends_in_words(servants, tmp_path, whom):
     started, address = servants
-    words = ["cost", "integral", "--quick", "--out", str(tmp_path / "cost"), "--cluster", address]
-    if whom == [1]:
-        words = ["extract", str(BENCH / "campaign.toml"), "--out", str(tmp_path / "out"), "--no-figures"]
-        words += ["--cluster", address]
+    words = ["extract", str(BENCH / "campaign.toml"), "--out", str(tmp_path / "out"), "--no-figures"]
+    words += ["--cluster", address]
     command = subprocess.Popen([sys.executable, "-m", "ropefric", *words], stderr=subprocess.PIPE, text=True)
     with Client(address, set_as_default=False) as here:
         while not any(here.processing().values()):

@@ -216,7 +216,7 @@ def check_start_up(scene_of, seed):
 
 
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (3, 4, 5, 8, 11))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 3, 4, 8, 11))]
 )
 def test_planned_start_ups_near_what_decides(scene_of, seed):
     assert check_start_up(scene_of, seed)

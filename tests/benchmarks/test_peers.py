@@ -4,7 +4,7 @@ import pytest
 from peers import peers_block
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_every_pair_is_timed():
     pairs, large = peers_block("here", rounds=1).split("| large input |")
     rows = [line for line in pairs.splitlines() if line.startswith("| ")]

@@ -182,7 +182,7 @@ def test_95_percent_intervals_hold_a_truth_near_its_bound(bench_problem, name, t
     assert ((share >= least) & (share <= 0.985)).all(), share
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_scaled_intervals_hold_the_truth_where_repeats_share_their_scatter(bench_problem):
     """With six repeats and more scatter between than within, plain intervals fail and scaled ones do not."""
     law, truth, repeats = ALL_LAWS["wrap-power-from-zero"], np.array([0.2, -0.4, 0.1]), 6

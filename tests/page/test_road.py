@@ -87,6 +87,7 @@ def test_from_a_folder_to_a_report_as_the_commands_do(road, tmp_path, call, monk
     assert lift["interval_N"] == pytest.approx(found["interval_N"], rel=1e-4)
 
 
+@pytest.mark.release
 def test_the_road_by_keys_alone_and_the_focus_is_never_lost(road, tmp_path):
     driver, keys = road.driver, Keys
 

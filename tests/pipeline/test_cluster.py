@@ -156,7 +156,11 @@ def servants():
         one.wait()
 
 
-@pytest.mark.parametrize("whom", [[1], [1, 2], [0]], ids=["one worker", "all workers", "the scheduler"])
+@pytest.mark.parametrize(
+    "whom",
+    [[1], pytest.param([1, 2], marks=pytest.mark.release), [0]],
+    ids=["one worker", "all workers", "the scheduler"],
+)
 def test_a_command_whose_workers_are_killed_goes_on_or_ends_in_words(servants, tmp_path, whom):
     started, address = servants
     words = ["extract", str(BENCH / "campaign.toml"), "--out", str(tmp_path / "out"), "--no-figures"]
@@ -209,6 +213,7 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
     assert (repr(found), found.trials[20].breakaway.status) == (repr(rf.extract(spoilt)), "unreadable")
 
 
+@pytest.mark.release
 def test_a_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
     """Pieces of their usual size, of which some are done, some begun and some waiting when the worker dies."""
     scale = runpy.run_path(str(ROOT / "docs" / "scale" / "measure.py"))

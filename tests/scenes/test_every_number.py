@@ -111,7 +111,7 @@ def test_every_number_of_some_saws(scene_of):
     assert spared
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_every_number_of_many_saws(scene_of):
     solved, spared = check_many(saw, scene_of, 200, 21)
     assert solved > 90

@@ -7,6 +7,7 @@ import math
 import shutil
 import time
 from contextlib import redirect_stdout
+from threading import Event
 
 import pytest
 
@@ -14,6 +15,7 @@ from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
 from ropefric.fitting import compare
 from ropefric.page import answers
+from ropefric.page import review as page_review
 from ropefric.page.desk import Desk
 from ropefric.page.review import Review
 from ropefric.report.page import find_browser
@@ -31,9 +33,11 @@ def reviewed(extracted, settled, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compare, "LAWS", FEW)
         review = Review(folder / "campaign.toml", by="A. Meier")
-        first = settled(review)["now"]
+        first, decided, fitted = settled(review)["now"], Event(), page_review._fitted
+        patch.setattr(page_review, "_fitted", lambda *given: decided.wait(60.0) and fitted(*given))
         for trial in ("c28-r03", "c35-r02"):  # the second while the first is being fitted
             review.decide(trial, "pick", pick_s=review.trial(trial)["candidates"][0]["time_s"])
+        decided.set()
         answer = settled(review)
         with redirect_stdout(io.StringIO()) as said:
             words = ["run", str(folder / "campaign.toml"), "--out", str(folder / "fresh"), "--no-figures"]

@@ -9,8 +9,7 @@ from collections.abc import Iterable, Iterator
 from pydantic import BaseModel, PlainValidator
 from pydantic.fields import FieldInfo
 
-from ropefric.files.toml_model import StrictTable
-from ropefric.scenes.kind import Key
+from ropefric.scenes.kind import Key, tables_in, types_in
 from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.scene_templates import scene_text
 
@@ -45,7 +44,7 @@ def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[SceneKey]:
     """Yield each key of a schema, those of its tables included."""
     meanings = _meanings(schema)
     for name, info in schema.model_fields.items():
-        tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
+        tables = tables_in(info)
         holder = typing.get_origin(info.annotation)
         for table in tables:
             between = ".…." if holder is dict else "[]." if holder is list else "."
@@ -74,7 +73,7 @@ def _scene_key(name: str, info: FieldInfo, text: str) -> SceneKey:
     example = f'"{key.like}"' if key.like else ""
     if key.like and key in _declared(info.annotation):
         example = f"[{example}, …]"
-    unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
+    unit = key.si_unit or ("-" if {float, int} & {*types_in(info.annotation)} else "")
     choices = _choices(declared)
     allowed = ", ".join(choices) or _range(info.annotation, key, declared)
     return SceneKey(name, unit, example, default, allowed, text, choices)
@@ -105,14 +104,4 @@ def _range(annotation: typing.Any, key: Key, declared: Iterable[typing.Any]) -> 
             return str(read.__doc__)
     if typing.get_origin(annotation) is dict:
         return "a table"
-    return {bool: "true or false", float: "any", str: "text"}[next(_types(annotation))]
-
-
-def _types(annotation: typing.Any) -> Iterator[type]:
-    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
-    inner = typing.get_args(annotation)
-    for one in inner or (annotation,):
-        if inner:
-            yield from _types(one)
-        elif isinstance(one, type):
-            yield one
+    return {bool: "true or false", float: "any", str: "text"}[next(types_in(annotation))]

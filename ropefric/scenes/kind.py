@@ -1,7 +1,7 @@
 """Kinds of scenes: keys, machine, and answer in numbers, words, files and figures."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin
@@ -139,10 +139,19 @@ def _fields(schema: type[BaseModel]) -> list[tuple[str, Becomes]]:
     return [(name, one) for name, one in metadata if isinstance(one, Becomes) and one.field]
 
 
-def _tables(info: FieldInfo) -> list[type[StrictTable]]:
+def types_in(annotation: Any) -> Iterator[type]:
+    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
+    inner = get_args(annotation)
+    for one in inner or (annotation,):
+        if inner:
+            yield from types_in(one)
+        elif isinstance(one, type):
+            yield one
+
+
+def tables_in(info: FieldInfo) -> list[type[StrictTable]]:
     """Return the table that a key is, or that there are many of under it; none where it holds a value."""
-    types = (info.annotation, *get_args(info.annotation))
-    return [one for one in types if isinstance(one, type) and issubclass(one, StrictTable)]
+    return [one for one in types_in(info.annotation) if issubclass(one, StrictTable)]
 
 
 def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
@@ -154,7 +163,7 @@ def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) ->
     found = {before + name: replace(one, many=one.many and whole) for name, one in _fields(schema)}
     for name, info in schema.model_fields.items():
         single = whole and get_origin(info.annotation) not in {dict, list}
-        for table in _tables(info) if name != "friction" else ():
+        for table in tables_in(info) if name != "friction" else ():
             found |= becomes(table, f"{before}{name}.", whole=single)
     return found
 
@@ -216,9 +225,9 @@ def _advice(schema: type[BaseModel], key: str) -> str:
     """Return how a key is added, with its example where it is a quantity."""
     owner, _, name = key.rpartition(".")
     for part in owner.split(".") if owner else ():
-        (schema,) = _tables(schema.model_fields[part])
+        (schema,) = tables_in(schema.model_fields[part])
     info = schema.model_fields[name]
-    if _tables(info):
+    if tables_in(info):
         return f"add [{key}]"
     like = "".join(f' = "{one.like}"' for one in info.metadata if isinstance(one, Key))
     return f"add {name}{like} to [{owner}]" if owner else f"add {name}{like}"

@@ -21,11 +21,8 @@ from ropefric.errors import PATH, DataError, Problem, RopefricError
 from ropefric.executors import CARRIED
 from ropefric.files.disk import read_file
 from ropefric.files.toml import TomlDocument
-from ropefric.registry import Registry, count_added, did_you_mean, forget_added
+from ropefric.registry import Registry, count_added, forget_added
 from ropefric.shown import Shown
-
-GROUP = "ropefric.plugins"
-"""The entry points by which an installed package offers plugins."""
 
 SLOTS = {
     "LAW": ("ropefric.friction.laws", "ALL_LAWS"),
@@ -59,7 +56,7 @@ class Plugin(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Whoever unpickles it, such as a worker that was spawned, has it loaded.
-        return load_plugin, (str(self.path), self.source) if self.source.endswith(".py") else (self.source,)
+        return load_plugin, (str(self.path), self.source)
 
 
 _LOADED: list[Plugin] = []
@@ -101,12 +98,12 @@ def unloaded_after() -> Iterator[None]:
 
 
 def load_plugin(source: str | Path, called: str = "") -> Plugin:
-    r"""Load a plugin, a Python file or the name of an installed entry point of the group `ropefric.plugins`.
+    r"""Load a plugin, a Python file.
 
     Parameters
     ----------
     source : str or path-like
-        A file whose name ends in .py, or the name of an entry point.
+        The file.
     called : str
         What provenance calls it; by default as it is named here.
 
@@ -132,8 +129,7 @@ def load_plugin(source: str | Path, called: str = "") -> Plugin:
     """
     PATH.check(source=source)
     text = str(source)
-    path, module = (Path(text).absolute(), "") if text.endswith(".py") else _entry_point(text)
-    shown = called or Path(text).as_posix()
+    path, shown = Path(text).absolute(), called or Path(text).as_posix()
     content = read_file(path, shown=shown, limit=_LARGEST)
     sha256 = hashlib.sha256(content).hexdigest()
     for old in _LOADED:
@@ -147,7 +143,7 @@ def load_plugin(source: str | Path, called: str = "") -> Plugin:
             load_plugin(str(old.path), old.source)
     before = count_added()
     try:
-        declares = tuple(_declared(_run(path, module, content, shown), content.decode("utf-8"), shown))
+        declares = tuple(_declared(_run(path, content, shown), content.decode("utf-8"), shown))
     except RopefricError:
         forget_added(before)
         raise
@@ -162,7 +158,7 @@ def load_named(document: TomlDocument) -> tuple[Problem, ...]:
     problems: list[Problem] = []
     for name in given if isinstance(given, list) else []:
         if isinstance(name, str):  # all else is refused with the other keys
-            place = Path(document.path).parent / name if name.endswith(".py") else name
+            place = Path(document.path).parent / name
             if all(one.source != name for one in _LOADED):
                 for tell in TOLD:
                     tell(f"{document.path} names the plugin {name}, whose code runs now")
@@ -173,31 +169,10 @@ def load_named(document: TomlDocument) -> tuple[Problem, ...]:
     return tuple(problems)
 
 
-def _entry_point(name: str) -> tuple[Path, str]:
-    """Return the file and the module of an installed plugin."""
-    from importlib.metadata import entry_points  # noqa: PLC0415  (quick start-up)
-    from importlib.util import find_spec  # noqa: PLC0415
-
-    known = {one.name: one for one in entry_points(group=GROUP)}
-    if name not in known:
-        fix = f"give a file that ends in .py, or an entry point of the group {GROUP}: {did_you_mean(name, known)}"
-        raise DataError(f"no installed plugin is called {name!r}", code="RF160", path=name, fix=fix)
-    try:
-        spec = find_spec(known[name].module)
-    except ImportError:
-        spec = None
-    if spec is None or spec.origin is None:
-        text = f"the entry point {name!r} names the module {known[name].module}, which is not there"
-        raise DataError(text, code="RF160", path=name, fix="install its package again")
-    return Path(spec.origin), known[name].module
-
-
-def _run(path: Path, name: str, content: bytes, shown: str) -> dict[str, Any]:
-    """Run a plugin, an installed one as the module it is, and return what it defines."""
+def _run(path: Path, content: bytes, shown: str) -> dict[str, Any]:
+    """Run a plugin and return what it defines."""
     fix = "correct the file; `ropefric check-plugin` tries it by itself"
     try:
-        if name:
-            return vars(import_module(name))
         module = ModuleType(f"ropefric_plugin_{path.stem}")
         module.__file__ = str(path)
         sys.modules[module.__name__] = module  # dataclasses look their module up

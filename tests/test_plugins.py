@@ -4,7 +4,6 @@ import json
 import multiprocessing
 import pickle
 import re
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -243,29 +242,8 @@ def test_code_that_a_campaign_names_is_told_of_before_it_runs(tmp_path, capsys):
 
 def test_what_is_not_there_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name, words in {"nothing.py": "no such file",
-            "our-lab": "no installed plugin is called 'our-lab'"}.items():  # fmt: skip
-        with pytest.raises(rf.RopefricError, match=words):
-            rf.load_plugin(name)
-
-
-def test_an_entry_point_is_asked_for_by_name(lab, monkeypatch, capsys):
-    info = "our_lab-1.0.dist-info"
-    for name, text in {
-        "our_lab/__init__.py": "",
-        "our_lab/friction.py": FILES["my_law.py"],
-        f"{info}/METADATA": "Metadata-Version: 2.1\nName: our-lab\nVersion: 1.0\n",
-        f"{info}/entry_points.txt": "[ropefric.plugins]\nour-lab = our_lab.friction\n",
-    }.items():
-        (lab / name).parent.mkdir(exist_ok=True)
-        (lab / name).write_text(text, encoding="utf-8")
-    monkeypatch.syspath_prepend(str(lab))
-    assert "two-term" not in LAWS, "an installed plugin is never loaded by itself"
-    plugin = rf.load_plugin("our-lab")
-    assert (plugin.source, plugin.declares) == ("our-lab", ("LAW two-term",))
-    assert "two-term" in LAWS
-    sys.modules.pop("our_lab.friction")
-    sys.modules.pop("our_lab")
+    with pytest.raises(rf.RopefricError, match="no such file"):
+        rf.load_plugin("nothing.py")
 
 
 def test_a_file_that_is_loaded_twice_is_loaded_once_and_anew_when_edited(lab):

@@ -33,7 +33,7 @@ EXIT_CODES = (
 _JSON = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone on stdout.")]
 _QUIET = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, notes or warnings.")]
 _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.")]
-_OWN = "A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; repeatable."
+_OWN = "A law, reader, outlier rule, protocol or machine of your own, a Python file; repeatable."
 _PLUGIN = Annotated[list[str] | None, typer.Option("--plugin", metavar="FILE.py", help=_OWN)]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
 

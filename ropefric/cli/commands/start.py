@@ -457,9 +457,7 @@ def _of_protocol(plan: "rigs.CampaignPlan", protocol: str) -> dict[str, Any]:
 @command("ropefric check-plugin my_law.py", order=200)
 def check_plugin(
     out: Output,
-    plugin_file: str = Argument(
-        metavar="PLUGIN.py", help="The plugin: a Python file, or an installed one's name."
-    ),
+    plugin_file: str = Argument(metavar="PLUGIN.py", help="The plugin, a Python file."),
     *,
     files: list[Path] | None = option(
         "FILE", "A recording its reader, or a scene its machine, is tried on; repeatable.", "--file"

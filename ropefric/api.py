@@ -867,68 +867,6 @@ def budget(
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
-def measured_budgets(
-    trials: Trials,
-    quantity: budgets.MeasuredQuantity = "force",
-    *,
-    u_wrap_angle_rad: float | None = None,
-    gain_limit: float = 0.0,
-    weights_tolerance: float = 0.0,
-    gravity_limit: float = budgets.GRAVITY_LIMIT,
-    level: float = 0.95,
-    draws: int = 200_000,
-    seed: int = 0,
-) -> tuple[Statement, ...]:
-    """Return the uncertainty budget of each measured condition: of its force, or of μ̄ = ln(F_A/F_B)/φ.
-
-    Parameters
-    ----------
-    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
-        See `trial_table`, which takes `columns`, too; a path is that of a table, not of a campaign. An extraction knows
-        its measuring chain, a table only the total.
-    quantity : {"force", "mu"}
-        What the budget is of.
-    u_wrap_angle_rad : float, optional
-        Standard uncertainty of the wraps [rad]; by default what the trials say.
-    gain_limit : float
-        Limit of error of the gain, common to both sides [-].
-    weights_tolerance : float
-        Of the dead weights of an extraction [-], see `ropefric.fitting.budgets.weights`.
-    gravity_limit : float
-        Limit of error of g of the weights [-].
-    level, draws, seed
-        As `budget`.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong in a table.
-    InputError
-        If the quantity is neither, or an argument is out of range.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": 3.0,
-    ...                       "end_tension_N": 20, "peak_N": [36.0, 36.8, 36.3]})
-    >>> [round(one.budget.estimate, 2) for one in measured_budgets(frame, draws=20_000)]
-    [36.37]
-    """
-    NUMBER.check(
-        gain_limit=gain_limit, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit, level=level
-    )
-    NUMBER.check_given(u_wrap_angle_rad=u_wrap_angle_rad)
-    WHOLE_NUMBER.check(draws=draws, seed=seed)
-    if isinstance(trials, Extraction):
-        limits = {"weights_tolerance": weights_tolerance, "gravity_limit": gravity_limit}
-        found = budgets.conditions_of_extraction(trials, **limits)
-    else:
-        found = budgets.conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
-    known: dict[str, Any] = {"u_wrap_angle_rad": u_wrap_angle_rad, "gain_limit": gain_limit}
-    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
-    return tuple(budgets.state_condition(item, quantity, **known, **check) for item in found)
-
-
 def plan_tests(
     known: FitResult | next_tests.PlannedLaw | PathLike,
     *,

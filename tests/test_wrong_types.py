@@ -40,7 +40,6 @@ CALLS: tuple[tuple[Callable[..., Any], dict[str, Any], str], ...] = (
     (rf.budget, {"fit": FIT, **WHEEL}, "fit level draws seed u_wheel_radius_m"),
     (rf.plan_tests, {"known": FIT, **RIG, **WHEEL}, "known criterion n_conditions repeats level starts seed"),
     (rf.friction_table, {"fit": FIT}, "fit"),
-    (rf.measured_budgets, {"trials": TABLE}, "quantity u_wrap_angle_rad gain_limit level draws seed"),
     (rf.solve, {"scene": SCENE}, "scene level"),
     (rf.explain, {"scene": SCENE}, "scene"),
     (rf.sweep, {"scene": SCENE}, "scene table progress"),

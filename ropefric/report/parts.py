@@ -280,21 +280,6 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
     return (Section(title, lines, _BUDGET, rows, 2, notes), reduce)[: 2 if smaller else 1]
 
 
-def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
-    """Return many statements as one table: number, condition in words, answer, U, and the largest part."""
-    rows = []
-    for number, words, item in stated:
-        found, largest = item.budget, item.budget.lines[0]
-        forms = {"estimate": ".5g", "combined": ".2g", "effective_dof": ".3g", "expanded": ".2g"}
-        cells = [plain(getattr(found, key), form) for key, form in forms.items()]
-        cells.append(f"{100 * found.expanded / abs(found.estimate):.2g} %")
-        part = f"{largest.label} ({100 * largest.share:.0f} %)"
-        rows.append((str(number), words, *cells, part, str(item.status)))
-    numbers = ("estimate", "u_c", "ν_eff", "U", "U/estimate")
-    headings = ("no.", "condition ", *numbers, "largest part ", "status ")
-    return Section(title, headings=headings, rows=rows, left=2)
-
-
 def _budget_row(line: BudgetLine) -> tuple[str, ...]:
     of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.source.dof, ".3g")
     if not isinstance(item := line.source, Quantity):

@@ -144,15 +144,10 @@ def limit_of_error(
     return Quantity(name, symbol, unit, half_width, estimate=estimate, assumed=assumed, **flat)
 
 
-def repeats(
-    name: str, symbol: str, unit: str, *, mean: float, std: float, n: int, dof: float | None = None
-) -> Quantity:
-    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom.
-
-    With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
-    """
+def repeats(name: str, symbol: str, unit: str, *, mean: float, std: float, n: int) -> Quantity:
+    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom."""
     known: dict[str, Any] = {"divisor": math.sqrt(n), "type": "A", "repeats": n}
-    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0 if dof is None else dof, **known)
+    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0, **known)
 
 
 # ---- the statement ----
@@ -386,10 +381,6 @@ class BudgetStatus(AdvisedStatus):
     DRAWS_DISAGREE = (
         "draws-disagree: The draws disagree with the budget: the answer is not linear within the uncertainty of "
         "the inputs, or an input with a rectangular distribution dominates. Use the interval of the draws, not y ± U."
-    )
-    NO_REPEATS = (
-        "no-repeats: There is one trial and its scatter is unknown, which is usually the largest part: the budget "
-        "leaves it out. Repeat the condition."
     )
     FIT_NOT_TRUSTED = "fit-not-trusted: The fit cannot be trusted, nor can its contribution to the budget."
 

@@ -13,7 +13,6 @@ from typer import Argument, BadParameter, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
-from ropefric.errors import InputError
 from ropefric.files.disk import write_file
 
 with on_first_use():
@@ -29,9 +28,6 @@ with on_first_use():
     from ropefric.friction import laws as friction_laws
     from ropefric.report import parts
     from ropefric.scenes import sweep
-    from ropefric.trials import campaign as campaigns
-    from ropefric.trials import extract as extracting
-    from ropefric.uncertainty import budget as statements
 
 
 _OF = Option(
@@ -385,114 +381,35 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
 )
 def budget(
     out: Output,
-    source: Path | None = Argument(
-        None, metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."
-    ),
     *,
-    fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
-    of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
-    condition: int | None = Option(None, min=1, help="Only this condition, in full."),
-    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
-    wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
-    end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
-    rope_diameter: Number = options.diameter("--rope-diameter", "Of another rope."),
+    fit: options.FitOption,
+    wheel_radius: float = quantity("--wheel-radius", "m", "R_w.", needed=True),
+    wrap: float = quantity("--wrap", "rad", "φ.", needed=True),
+    end_tension: float = quantity("--end-tension", "N", "F_B.", needed=True),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
     u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
     u_rope_diameter: Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
     u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
     u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
-    end_tension_measured: bool = flag(
-        "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
-    ),
-    gain: Number = quantity(
-        "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
-    ),
-    gravity: Number = quantity(
-        "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
-    ),
     one_pull: bool = flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
     level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
     draws: int = Option(200_000, help="Draws that check the budget."),
     seed: int = Option(0, min=0, help="Of the draws."),
 ) -> Answer:
-    """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
+    """State the uncertainty of a lift force after the GUM: a budget line by line, checked by draws.
 
-    Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
-    well. Exits with 4 if a statement cannot be trusted.
+    The wheel is known only so well as the options say. Exits with 4 if the statement cannot be trusted.
     """
-    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
-    if (source is None) == (fit is None):
-        raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
-    if fit is not None:
-        wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        stds = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
-        return _of_fit(out, fit, wheel, rope_diameter, stds, check=check | {"one_pull": one_pull})
-    if of not in {"force", "mu"}:
-        raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
-    found = _conditions(out, Path(str(source)), gravity)
-    if condition is not None:
-        found = (budgets.condition_numbered(found, condition),)
-    if end_tension_measured:
-        found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
-    check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
-    stated = [(item, budgets.state_condition(item, **check)) for item in found]
-    trees = [_tree_of(item, each) for item, each in stated]
-    good = all(each.trustworthy for _, each in stated)
-    return Answer({"source": str(source), "budgets": trees}, _budget_sections(stated), exit_code_of(good))
-
-
-def _budget_sections(
-    stated: "Sequence[tuple[budgets.MeasuredCondition, statements.Statement]]",
-) -> "Sequence[section.Section]":
-    """Return the budget of one condition in full, or a row for each of several."""
-    item, first = stated[0]
-    if len(stated) == 1:
-        return parts.uncertainty_sections(first, f"Uncertainty budget, {item.describe()}")
-    rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
-    title = f"Uncertainty of {first.model.symbol}; --condition N shows one in full"
-    return (parts.budgets_section(rows, title),)
-
-
-def _tree_of(item: "budgets.MeasuredCondition", stated: "statements.Statement") -> dict[str, Any]:
-    settings = {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
-    forces = {"lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
-    return stated.to_dict() | {"condition": item.number} | forces | settings
-
-
-def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
-    """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
-    limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
-    file = options.campaign_file(path, or_table=True)
-    if file.suffix != ".toml":
-        return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
-    campaign = campaigns.load_campaign(file, missing_recordings="flag")
-    with Progress(out, "extract") as progress:
-        extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    tolerance = campaign.weights_tolerance
-    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
-    if not found:
-        fix = "`ropefric extract` says why for each"
-        raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
-    return found
-
-
-def _of_fit(
-    out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
-    stds: Sequence[float | None], *, check: dict[str, Any],
-) -> Answer:  # fmt: skip
-    names = ("--wheel-radius", "--wrap", "--end-tension")
-    missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
-    if missing:
-        text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
-        raise BadParameter(text, param_hint=missing[0])
-    known = {name: float(value or 0.0) for name, value in wheel.items()}
+    stored = options.read_fit(fit, out)
+    at = conditions.one_condition(wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension)
+    stds = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
     uncertainty = {name: std or 0.0 for name, std in zip(conditions.SETTINGS, stds, strict=True)}
-    stored = options.read_fit(path, out)
-    at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
-    stated = budgets.state_lift(stored, at, uncertainty, **check)
-    more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
+    stated = budgets.state_lift(
+        stored, at, uncertainty, one_pull=one_pull, level=level, draws=draws, seed=seed
+    )
+    data = stated.to_dict() | at.row(0) | {"fit": fit, "fit_status": stored.status.value}
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
-    shown = parts.uncertainty_sections(stated, title)
-    return Answer(stated.to_dict() | known | more, shown, exit_code_of(stated.trustworthy))
+    return Answer(data, parts.uncertainty_sections(stated, title), exit_code_of(stated.trustworthy))
 
 
 @command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)

@@ -32,8 +32,7 @@ from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.predict import FrictionTable, Method, Prediction
-from ropefric.fitting.predict import friction_table as tabulate
+from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
@@ -738,53 +737,6 @@ def _wheel(asked: Mapping[str, Any]) -> Conditions:
     given = settings(**{name: asked[name] for name in SETTINGS})
     _refuse_missing(given, SETTINGS)
     return one_condition(**{name: number(value, "", name) for name, value in given.items()})
-
-
-def friction_table(
-    fit: FitResult | PathLike,
-    *,
-    wheel_radius_m: Given = None,
-    wrap_angle_rad: Given = None,
-    end_tension_N: Given = None,
-    rope_radius_m: Given = None,
-    **named: Given,
-) -> FrictionTable:
-    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that fits it best.
-
-    Parameters
-    ----------
-    fit : FitResult or path-like
-        The fit or its file.
-    wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m : array_like, optional
-        Levels of each setting, of which every combination becomes a row; by default over the tested range.
-    **named : number, array_like or quantity
-        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
-        `wrap_turns=1.5`, `wheel_radius="35 mm"`.
-
-    Returns
-    -------
-    FrictionTable
-        `to_frame()` has the table; `constant_mu` is the constant whose largest relative error of the lift force over the
-        table, `constant_error`, is smallest.
-
-    Raises
-    ------
-    InputError
-        If the law has no answer anywhere on the grid, or a wrap is zero.
-
-    Examples
-    --------
-    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
-    ...     "peak_N": [36.6, 66.1, 121.7]}
-    >>> table = friction_table(fit(trials, "constant"), wrap_turns=[1, 2])
-    >>> round(table.constant_mu, 3), len(table.to_frame())
-    (0.2, 2)
-    """
-    levels = in_declared_units(
-        named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
-        rope_radius_m=rope_radius_m,
-    )  # fmt: skip
-    return tabulate(as_fit(fit), **settings(**levels))
 
 
 def budget(

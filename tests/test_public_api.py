@@ -43,7 +43,6 @@ SIGNATURES = {
     "window_s=None, start_s=None, stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, groups=None, shared=None, n_starts=4, "
     "seed=0, intervals='auto', of='peak', columns=None)",
-    "friction_table": f"(fit, *, {WHEEL}, **named)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
@@ -190,7 +189,6 @@ def test_settings_come_in_any_unit_under_the_names_of_a_table():
         assert fit.predict(**wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
         needed = rf.design(fit, lift="168.8 N", **own, end_tension="60 N", probability=None)
         assert np.degrees(needed.value) == pytest.approx(400, abs=0.5)
-        assert rf.friction_table(fit, **wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
     exact, loose = (rf.budget(fit, **wheel, **u, draws=10_000).budget for u in ({}, {"u_wrap": "2 deg"}))
     assert exact.estimate == loose.estimate
     assert exact.combined < loose.combined

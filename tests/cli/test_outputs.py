@@ -146,7 +146,7 @@ def test_a_fit_is_replaced_by_a_fit_and_nothing_else_is(call, tmp_path):
 
 def test_a_file_that_exists_is_not_written_over(call, bench, tmp_path):
     recording = min((bench / "traces").iterdir())
-    for words in ((*PLAN, "--out"), ("export", FIT, "--out"), ("inspect", recording, "--write-profile")):
+    for words in ((*PLAN, "--out"), ("inspect", recording, "--write-profile")):
         path = tmp_path / f"{words[0]}.txt"
         assert call(*words, path, "-q").code == 0
         made = path.read_text(encoding="utf-8")

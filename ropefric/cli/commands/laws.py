@@ -1,6 +1,6 @@
 """The commands of friction laws: fitted and compared; stored fits shown, made again, and asked of wheels.
 
-A wheel's lift force, its uncertainty, the smallest wheel, the next tests, a table for a simulator.
+A wheel's lift force, its uncertainty, the smallest wheel, the next tests.
 """
 
 import math
@@ -27,7 +27,6 @@ with on_first_use():
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws as friction_laws
     from ropefric.report import parts
-    from ropefric.scenes import sweep
 
 
 _OF = Option(
@@ -404,52 +403,3 @@ def budget(
     data = stated.to_dict() | at.row(0) | {"fit": fit, "fit_status": stored.status.value}
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(data, parts.uncertainty_sections(stated, title), exit_code_of(stated.trustworthy))
-
-
-@command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
-def export(
-    out: Output,
-    fit_file: Path = Argument(metavar="FIT.json", help="A stored fit."),
-    *,
-    wrap: str = Option("", metavar="ANGLES", help='φ, a list, or a range: "90 deg .. 1080 deg".'),
-    end_tension: str = Option("", metavar="FORCES", help='F_B: "20 N, 80 N".'),
-    wheel_radius: str = Option("", metavar="LENGTHS", help='R_w: "20 mm .. 60 mm".'),
-    levels: int = Option(12, min=2, help="Settings a range is divided into."),
-    rope_diameter: float | None = options.ROPE_DIAMETER,
-    file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
-    force: options.Force = False,
-) -> Answer:
-    """Export a fit to a simulator: a table μ(φ, F_B, R_w), and the constant that fits it best over that range.
-
-    By default the table covers the tested range. The constant has the smallest largest relative error of the lift force
-    over the table; that error is printed. Exits with 4 when the law is not supported by
-    its fit.
-    """
-    options.refuse_file(file, fit_file, force=force)
-    stored = options.read_fit(fit_file, out)
-    asked = {
-        "wrap_angle_rad": (wrap, "rad", "--wrap"),
-        "end_tension_N": (end_tension, "N", "--end-tension"),
-        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
-    }
-    given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
-    rope_m = options.rope_radius(stored, rope_diameter)
-    found = predicting.friction_table(stored, rope_radius_m=rope_m, **given)
-    columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
-    names = ("law", "constant_mu", "constant_error")
-    data = {name: getattr(found, name) for name in names} | {
-        "rows": found.mu_average.size,
-        "extrapolated": int(found.extrapolated.sum()),
-        "unanswered": int((found.mu_average != found.mu_average).sum()),
-        "files": [] if file is None else [str(file)],
-    }
-    if file is not None:
-        write_file(file, sweep.columns_text(columns))
-        out.note(f"wrote {file}")
-    percent = f"{100 * found.constant_error:.3g} %"
-    lines = (
-        f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
-        f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
-    )
-    shown = [section.Section("A law for a simulator", lines)]
-    return Answer(data, shown, exit_code_of(stored.verdict))

@@ -24,7 +24,7 @@ from ropefric.errors import (
     Kind,
 )
 from ropefric.files.folder import Folder
-from ropefric.fitting import budgets, exchange, next_tests, resolution
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -827,10 +827,7 @@ def plan_tests(
     largest_force_N: Given = None,
     n_conditions: int = 12,
     repeats: int = 12,
-    criterion: exchange.Criterion = "v",
     level: float = 0.95,
-    starts: int = 10,
-    seed: int = 0,
     **named: Given,
 ) -> next_tests.LabPlan:
     """Return the conditions to test next so that one wanted lift force becomes as certain as it can.
@@ -847,7 +844,7 @@ def plan_tests(
         R_r [m]; that of the trials where they had one rope only, and needed with a guessed law.
     largest_force_N : float
         The largest F_A the cell takes [N]; no limit by default.
-    n_conditions, repeats, criterion, level, starts, seed
+    n_conditions, repeats, level
         As `ropefric.fitting.next_tests.plan_tests`.
     **named : number, array_like or quantity
         The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
@@ -870,8 +867,7 @@ def plan_tests(
     >>> plan.conditions.wrap_angle_rad.tolist()
     [9.0, 12.0, 12.0]
     """
-    TEXT.check(criterion=criterion)
-    WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats, starts=starts, seed=seed)
+    WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats)
     NUMBER.check(level=level)
     asked = in_declared_units(
         named, wheels_m=wheels_m, wraps_rad=wraps_rad, end_tensions_N=end_tensions_N, wheel_radius_m=wheel_radius_m,
@@ -899,9 +895,8 @@ def plan_tests(
         largest_force_N=number(largest_N, "N", "largest_force_N"),
     )
     return next_tests.plan_tests(
-        planned, limits, wanted,
-        n_conditions=n_conditions, repeats=repeats, criterion=criterion, level=level, starts=starts, seed=seed,
-    )  # fmt: skip
+        planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, level=level
+    )
 
 
 def accuracy_table(

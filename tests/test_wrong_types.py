@@ -38,7 +38,7 @@ CALLS: tuple[tuple[Callable[..., Any], dict[str, Any], str], ...] = (
     (rf.predict, {"fit": FIT, **WHEEL}, "fit level method wheel_radius_m"),
     (rf.design, {"fit": FIT, "lift_N": 200.0, **WHEEL | {"wrap_angle_rad": None}}, "fit solve_for probability"),
     (rf.budget, {"fit": FIT, **WHEEL}, "fit level draws seed u_wheel_radius_m"),
-    (rf.plan_tests, {"known": FIT, **RIG, **WHEEL}, "known criterion n_conditions repeats level starts seed"),
+    (rf.plan_tests, {"known": FIT, **RIG, **WHEEL}, "known n_conditions repeats level"),
     (rf.solve, {"scene": SCENE}, "scene level"),
     (rf.explain, {"scene": SCENE}, "scene"),
     (rf.sweep, {"scene": SCENE}, "scene table progress"),

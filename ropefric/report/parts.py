@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 LEAST_SHARE = 0.001
 """Of the variance: in a report, sources below are named and have no line."""
-_GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
 
 def plus_minus(value: float, std: float) -> str:
@@ -213,11 +212,10 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
     stds = plan.expected_parameter_std().items()
     expected_values = ", ".join(f"{name} = {plus_minus(values[name], std)}" for name, std in stds)
     lines = (
-        f"{law.name}; scatter {scattered}, measuring chain {plain(scatter.instrument_N, '.2g')} N",
+        f"{law.name}; scatter {scattered}",
         f"expected: {expected_values}",
-        f"chosen from {plan.n_candidates} conditions; {plan.agreeing_starts} of {plan.starts} optimiser starts agree",
     )
-    title = f"{conditions} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
+    title = f"{conditions} to test, {pulls}, the best for the wanted prediction"
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
     what = Section(title, lines, headings, rows, notes=plan.notes)
     return what, *(_worth_section(plan, i) for i in range(len(plan.wanted)))
@@ -226,20 +224,13 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
 def _worth_section(plan: LabPlan, i: int) -> Section:
     lift_N = float(np.exp(plan.wanted_log_lift[i]))
     rows = []
-    for name, outlook in (
-        ("before", plan.before),
-        ("with this plan", plan.after),
-        ("one factor at a time about the middle", plan.one_factor),
-        ("one factor at a time about the wanted condition", plan.one_factor_at_target),
-    ):
+    for name, outlook in (("before", plan.before), ("with this plan", plan.after)):
         half, std_N = float(outlook.half_width_log[i]), lift_N * float(outlook.std_log[i])
         both = (lift_N * math.exp(side * half) for side in (-1.0, 1.0))
         span = ends(both, std_N) if half < 50.0 else "not determined"
         rows.append((name, plain(std_N, ".2g"), span, str(outlook.dof)))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
-    middle, at_target = (f"{100.0 * (1.0 - 1.0 / one):.0f} %" for one in (plan.gain, plan.gain_at_target))
     notes = (
-        f"intervals {middle} narrower than one factor at a time about the middle, {at_target} about the design",
         "These numbers hold for the parameters and the scatter known today. Plan again after the first tests.",
     )
     title = f"Effect of the plan on F_A = {plain(lift_N)} N"

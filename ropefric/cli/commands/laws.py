@@ -281,79 +281,75 @@ def plan_tests(
     fit: Path | None = Option(None, metavar="FIT.json", help="The quantities that are known."),
     law: str = Option("", help="Without a fit: the law."),
     guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
-    hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
     rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
-    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
-    levels: int = Option(12, min=2, help="Settings a range is divided into."),
     level: options.Level = 0.95,
-    starts: int = Option(10, min=1, help="Starts of the search."),
-    seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
     force: bool = flag("--force", "Write over a file that is already there."),
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
-    Starts from a stored fit, or from a law with guessed parameters, and compares the plan with the same number of
-    tests that vary one factor at a time. The search includes the errors that tests share (a cell, a wheel, a weight),
-    and says where more conditions help more than repeats. Exits with 4 unless the fit supports its law.
+    Starts from a stored fit, or from a law with guessed parameters. The search includes the errors that tests share
+    (a cell, a wheel, a weight), and says where more conditions help more than repeats. Exits with 4 unless the fit
+    supports its law.
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
     options.refuse_file(file, fit, force=force)
     can: dict[str, Any] = {
-        "wheel_radius_m": read_levels(wheels, "m", "--wheels", levels),
-        "wrap_angle_rad": read_levels(wraps, "rad", "--wraps", levels),
-        "end_tension_N": read_levels(end_tensions, "N", "--end-tensions", levels),
+        "wheel_radius_m": read_levels(wheels, "m", "--wheels"),
+        "wrap_angle_rad": read_levels(wraps, "rad", "--wraps"),
+        "end_tension_N": read_levels(end_tensions, "N", "--end-tensions"),
     }
     exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}
-    scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
+    scatter = {"within": scatter_within, "between": scatter_between}
     if fit is not None:
         stored = options.read_fit(fit, out)
         rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
-        planned = _guessed(law, guess or (), hold or (), scatter)
+        planned = _guessed(law, guess or (), scatter)
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
     limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
     wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
-    # The library says what the criterion may be.
-    how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
-    found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
+    found = next_tests.plan_tests(
+        planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, level=level
+    )
     if file is not None:
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
     return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
 
 
-def _guessed(
-    law: str, guess: Sequence[str], hold: Sequence[str], scatter: dict[str, float | None]
-) -> "next_tests.PlannedLaw":
+def _guessed(law: str, guess: Sequence[str], scatter: dict[str, float | None]) -> "next_tests.PlannedLaw":
     """Return a law of which nothing is known but a guess, and how repeats of it will scatter."""
     if scatter["within"] is None:
         text = 'how far do repeats scatter? Write it like "1.7 %"'
         raise BadParameter(text, param_hint="--scatter-within")
     repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
     at = options.parse_assignments(guess, option="--guess")
-    return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold))
+    return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter)
 
 
-def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
-    """Return the settings of an option, in SI: a list of quantities, or a range divided into about n.
+# Settings that a range is divided into.
+_LEVELS = 12
+
+
+def read_levels(text: str, unit: str, option: str) -> tuple[float, ...]:
+    """Return the settings of an option, in SI: a list of quantities, or a range divided into about twelve.
 
     Wraps are divided evenly, in whole degrees; lengths and forces in even ratios.
 
     Examples
     --------
-    >>> read_levels("15 mm, 40 mm", "m", "--wheels", 12), read_levels("5 N .. 80 N", "N", "--end-tensions", 3)
-    ((0.015, 0.04), (5.0, 20.0, 80.0))
+    >>> read_levels("15 mm, 40 mm", "m", "--wheels"), len(read_levels("5 N .. 80 N", "N", "--end-tensions"))
+    ((0.015, 0.04), 12)
     """
     if ".." not in text:
         parts = [part.strip() for part in text.replace(";", ",").split(",")]
@@ -361,10 +357,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return resolution.levels(ends[0], ends[1], n)
+        return resolution.levels(ends[0], ends[1], _LEVELS)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
-    step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
+    step = next((s for s in (45.0, 15.0, 5.0) if (_LEVELS - 1) * s <= last - first), 1.0)
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, _LEVELS, step=step))
 
 
 @command(

@@ -395,7 +395,7 @@ def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
         return math.nan
 
 
-def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95) -> DesignChart:
+def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
     """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
@@ -403,7 +403,7 @@ def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95
     wheels_m = np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m))
     wraps_rad = np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS)
     end_N, rope_m = float(wheel.end_tension_N[0]), float(wheel.rope_radius_m[0])
-    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m, probability=probability)
+    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m)
 
 
 def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Conditions) -> next_tests.LabPlan:

@@ -16,7 +16,7 @@ from ropefric.cli.output import Output, Progress
 from ropefric.files.disk import write_file
 
 with on_first_use():
-    from ropefric import pipeline, section
+    from ropefric import section
     from ropefric.fitting import budgets, next_tests, resolution, store
     from ropefric.fitting import compare as comparing
     from ropefric.fitting import design as designs
@@ -208,37 +208,18 @@ def design(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
     on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
-    chart: Path | None = options.out_folder(
-        "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
-    ),
-    force: options.Force = False,
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
     Exits with 4 when there is none, or the law is not supported by its fit.
     """
     stored = options.read_fit(fit, out)
-    names = options.figure_names("design_chart")
-    # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
-        asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
-        asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
-        found = designs.design(stored, **asked, probability=None if on_average else probability)
-        reached = bool(found.reached[0])
-        files: tuple[Path, ...] = ()
-        if target is not None and reached:
-            from ropefric.plotting import design as charts  # noqa: PLC0415  (its package loads matplotlib)
-            from ropefric.plotting import figure  # noqa: PLC0415
-
-            # At the design's end tension.
-            at = conditions.one_condition(*(float(getattr(found, name)[0]) for name in conditions.SETTINGS))
-            chart_of_it = pipeline.chart_of_design(stored, at, probability)
-            drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
-            files = figure.save_figure(drawn, target, "design_chart")
-            options.publish(out, target, "chart", files)
-    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)}
-    code = exit_code_of(reached and stored.verdict.supported)
+    asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
+    asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+    asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
+    found = designs.design(stored, **asked, probability=None if on_average else probability)
+    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value}
+    code = exit_code_of(bool(found.reached[0]) and stored.verdict.supported)
     return Answer(found.to_dict() | about, [_section(found)], code)
 
 

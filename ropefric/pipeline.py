@@ -493,8 +493,6 @@ def _traced(
     seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
     if evidence.lift is not None:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
-    if evidence.plan is not None:
-        seeds["plan of tests"] = evidence.plan.seed
     return {
         "command": shlex.join(words),
         "law": answer.forced_law,

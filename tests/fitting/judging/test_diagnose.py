@@ -93,14 +93,6 @@ def test_few_conditions_cannot_tell(campaign):
     assert found["offset"].supported == "cannot-tell"
 
 
-def test_trials_that_never_slipped(campaign):
-    good = campaign("constant", [0.2], repeats=2)
-    found = found_in(replace(good, status=("ok",) * 20 + ("no-breakaway",) * 10), ["constant"])
-    assert found["no gross slip"].supported == "yes"
-    assert "10 of 30 trials (33%)" in found["no gross slip"].evidence
-    assert found_in(good, ["constant"])["no gross slip"].supported == "no"
-
-
 def test_a_comparison_without_data_is_refused(campaign):
     table = campaign("constant", [0.2], repeats=2)
     comparison = compare_laws(table, [ALL_LAWS["constant"]])
@@ -274,9 +266,7 @@ def test_what_cannot_be_tested_is_not_said_to_describe_the_trials(conditions, re
 
 def test_scatter_between_conditions_is_no_reason_to_leave_the_law():
     found = found_in(small_table(GRID, 6, within=0.01, between=0.03))
-    assert found["condition scatter"].supported == "yes"
     assert "describes the trials; no cause to leave it is supported" in found.summary
-    assert "the data support: condition scatter" in found.summary
 
 
 def test_rounding_is_no_scatter_that_an_effect_could_be_judged_by():

@@ -287,15 +287,12 @@ def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
     drawn, found = stated.drawn, stated.budget
     yield f"{stated.status}: {stated.status.advice}"
     gap, word = max(drawn.gaps), "agree" if drawn.agrees else "do not agree"
-    both = drawn.symmetric_interval, drawn.shortest_interval
-    symmetric, shortest = (ends(x, found.combined) for x in both)
+    of_draws = ends(drawn.symmetric_interval, found.combined)
     yield (
         f"{drawn.draws} draws (seed {drawn.seed}) {word} with y ± U = {ends(found.interval, found.combined)}{unit}: "
-        f"symmetric {symmetric}{unit}, shortest {shortest}{unit}. The ends differ by up to "
+        f"{of_draws}{unit}. The ends differ by up to "
         f"{float(f'{100 * gap / found.expanded:.2g}'):g} % of U; {100 * DISAGREEMENT:g} % are allowed."
     )
-    digits = ("is not passed", "holds to one digit", "holds to two digits")[min(drawn.validated_digits, 2)]
-    yield f"The test of JCGM 101 §8.1 {digits}."
     if drawn.unanswered:
         yield f"{drawn.unanswered} draws have no answer."
 

@@ -60,9 +60,8 @@ def test_constant_law_on_paper(constant_fit):
 
 
 def test_heavier_and_surer_needs_more_wrap(wrap_fit):
-    loads = np.geomspace(25, 5000, 5)
-    needed = [find(wrap_fit, "wrap", loads, probability=p).value
-        for p in (None, 0.5, 0.9, 0.999)]  # fmt: skip
+    loads = [25.0, 200.0, 1000.0]
+    needed = [find(wrap_fit, "wrap", loads, probability=p).value for p in (None, 0.5, 0.999)]
     assert (np.diff(needed, axis=1) > 0).all()
     assert (np.diff(needed, axis=0) >= -1e-9 * needed[0]).all()
 
@@ -118,10 +117,9 @@ def test_extrapolated_designs_are_flagged(wrap_fit):
 def test_many_designs_at_once_equal_one_by_one(constant_fit, wrap_fit):
     """Of a curved law as near as its profile is found, and beyond 100 designs by the linear interval."""
     for fit, n, rtol in ((constant_fit, 101, 1e-11), (wrap_fit, 3, 1e-6), (wrap_fit, 101, 1e-3)):
-        loads = np.geomspace(25, 4000, n)
+        loads = np.geomspace(25, 1000, n)
         found = find(fit, "wrap", loads)
-        for i in (n // 3, n - 1):
-            assert find(fit, "wrap", loads[i]).value[0] == pytest.approx(found.value[i], rel=rtol)
+        assert find(fit, "wrap", loads[n // 2]).value[0] == pytest.approx(found.value[n // 2], rel=rtol)
         assert (np.diff(found.value) > 0).all()
 
 

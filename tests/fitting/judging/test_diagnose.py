@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -226,12 +225,6 @@ def test_groups_of_trials(campaign):
     plain = campaign("constant", [0.2], repeats=11)
     wheels = replace(plain, labels={"wheel": tuple(f"w{one:.4f}" for one in plain.wheel_radius_m)})
     assert found_in(wheels, ["constant"])["wheel"].supported == "cannot-tell"
-
-
-def test_a_group_that_goes_with_the_conditions_is_not_judged_by_rounding():
-    """Wheels of the bench: no condition has two, and the means of its pulls leave rounding within conditions."""
-    table = read_trial_table(Path(__file__).parents[3] / "fits" / "prth-trials.csv")
-    assert found_in(table, ["constant"])["wheel"].supported == "cannot-tell"
 
 
 def test_labels_are_read_from_a_table(tmp_path):

@@ -553,6 +553,8 @@ def predict(
     rope_radius_m: Given = None,
     level: float = 0.95,
     method: Method = "auto",
+    linear_density_kg_m: Given = None,
+    speed_m_s: Given = None,
     columns: Columns = None,
     **named: Given,
 ) -> Prediction:
@@ -568,7 +570,7 @@ def predict(
         R_w [m], φ [rad], F_B [N], those that the table does not have; or with units: "35 mm", "400 deg".
     rope_radius_m : array_like, optional
         R_r [m]; that of the trials where they had one rope only.
-    level, method
+    level, method, linear_density_kg_m, speed_m_s
         As `ropefric.fitting.predict.predict`.
     columns : mapping of str to str, optional
         New names of the table's columns.
@@ -603,13 +605,17 @@ def predict(
     given = {} if wheels is None else wheels_of(wheels, columns)
     asked = in_declared_units(
         named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
-        rope_radius_m=rope_radius_m,
+        rope_radius_m=rope_radius_m, linear_density_kg_m=linear_density_kg_m, speed_m_s=speed_m_s,
     )  # fmt: skip
+    moving = {name: asked.pop(name) for name in ("linear_density_kg_m", "speed_m_s")}
     given |= settings(**asked)
     _refuse_missing(given, [name for name in SETTINGS if name != "rope_radius_m"], "by name or as a column")
     if "rope_radius_m" not in given:
         given["rope_radius_m"] = _rope(stored)
-    return predict_lift(stored, Conditions(**given), level=level, method=method)
+    for name, unit in (("linear_density_kg_m", "kg/m"), ("speed_m_s", "m/s")):
+        if moving[name] is not None:
+            moving[name] = number(moving[name], unit, name)
+    return predict_lift(stored, Conditions(**given), level=level, method=method, **moving)
 
 
 def design(

@@ -51,7 +51,8 @@ SIGNATURES = {
     "monte_carlo": "(scene, *, draws=10000, seed=0, level=0.95, progress=None, table=None, executor=None)",
     "plan_tests": f"(known, *, wheels_m=None, wraps_rad=None, end_tensions_N=None, {WHEEL}, largest_force_N=None, "
     "n_conditions=12, repeats=12, level=0.95, **named)",
-    "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', columns=None, **named)",
+    "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
+    "columns=None, **named)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
@@ -191,6 +192,8 @@ def test_settings_come_in_any_unit_under_the_names_of_a_table():
     exact, loose = (rf.budget(fit, **wheel, **u, draws=10_000).budget for u in ({}, {"u_wrap": "2 deg"}))
     assert exact.estimate == loose.estimate
     assert exact.combined < loose.combined
+    running = fit.predict(**wheel, linear_density="62 g/m", speed_m_s=2.0)
+    assert running.lift_force_N != fit.predict(**wheel).lift_force_N
     for wrong, error, words in (
         ({"wheel_radius": 0.035}, InputError, 'wheel_radius does not say its unit Fix: write wheel_radius="… mm"'),
         ({"wheel_radius_m": 0.035, "wheel_diameter_mm": 70}, InputError, "both give wheel_radius_m"),

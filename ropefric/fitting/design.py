@@ -23,6 +23,7 @@ from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_ra
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, as_floats, same_length
+from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
@@ -173,7 +174,8 @@ def _bound(
     found = _mean(fit, conditions)
     some = np.flatnonzero(~np.isnan(found))
     if probability is not None and some.size:
-        found[some] = lift_ends(fit, conditions.select(some), probability, method).pull[:, 0]
+        model = LiftModel(law=fit.friction_law)
+        found[some] = lift_ends(fit, model, conditions.select(some), probability, method).pull[:, 0]
     return found
 
 

@@ -7,7 +7,7 @@ ropefric itself fits without lmfit.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -25,7 +25,7 @@ from ropefric.fitting.reml import CONDITION, REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
 from ropefric.fitting.scatter import ScatterModel
 from ropefric.friction.condition import SETTINGS, Conditions
-from ropefric.friction.law import FrictionLaw
+from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.shown import Shown
 from ropefric.uncertainty.budget import check_level
 
@@ -222,21 +222,24 @@ def predict(
     *,
     level: float = 0.95,
     method: Method = "auto",
+    linear_density_kg_m: float | None = None,
+    speed_m_s: float | None = None,
 ) -> Prediction:
     """Return the lift force of a fitted law for n conditions, with its intervals.
 
     Outside what was tested they hold those of the laws that a comparison does not exclude, `fit.rivals`.
     """
+    model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", key="method", fix=f"use {', '.join(METHODS)}")
-    log_lift = fit.friction_law.log_lift(fit.theta, conditions)
+    log_lift = model.log_lift(fit.theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
-    spread, probability = _spread(fit, conditions), 0.5 + 0.5 * level
-    ends = lift_ends(fit, conditions, probability, method)
+    spread, probability = _spread(fit, model, conditions), 0.5 + 0.5 * level
+    ends = lift_ends(fit, model, conditions, probability, method)
     with np.errstate(over="ignore"):
         lift_N, mean_N, pull_N, rope_N = (np.exp(one) for one in (log_lift, *ends))
         return Prediction(
@@ -251,7 +254,7 @@ def predict(
             rope_interval_N=rope_N if fit.scatter.groups else None,
             level=level,
             dof=spread.dof,
-            method="profile" if _takes_profile(fit, conditions, method) else "linear",
+            method="profile" if _takes_profile(fit, model.pressing(conditions), method) else "linear",
             outside=outside_range(fit.validity, conditions),
             validity=fit.validity,
             judged=fit.verdict_on(conditions),
@@ -270,19 +273,19 @@ class LiftEnds(NamedTuple):
 
 
 def lift_ends(
-    fit: FitResult, conditions: Conditions, probability: float, method: Method = "auto"
+    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, method: Method = "auto"
 ) -> LiftEnds:
     """Return the intervals of ln F_A that end with a probability on either side.
 
     Outside what was tested they include those of all rivals.
     """
-    wider = _own_ends(fit, conditions, probability, method)
+    wider = _own_ends(fit, model, conditions, probability, method)
     outside = outside_range(fit.validity, conditions).any(axis=1)
     for rival in fit.rivals if outside.any() else ():
-        places = np.flatnonzero(outside)
-        places = places[rival.friction_law.answers(rival.theta, conditions.select(places))]
+        law, places = replace(model, law=rival.friction_law), np.flatnonzero(outside)
+        places = places[law.law.answers(rival.theta, law.pressing(conditions.select(places)))]
         if places.size:
-            theirs = _own_ends(rival, conditions.select(places), probability)
+            theirs = _own_ends(rival, law, conditions.select(places), probability)
             for own, other in zip(wider, theirs, strict=True):
                 own[places, 0] = np.fmin(own[places, 0], other[:, 0])
                 own[places, 1] = np.fmax(own[places, 1], other[:, 1])
@@ -290,15 +293,15 @@ def lift_ends(
 
 
 def _own_ends(
-    fit: FitResult, conditions: Conditions, probability: float, method: Method = "auto"
+    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, method: Method = "auto"
 ) -> LiftEnds:
     """Return `lift_ends` of the law itself."""
-    spread, at = _spread(fit, conditions), fit.friction_law.log_lift(fit.theta, conditions)[:, None]
+    spread, at = _spread(fit, model, conditions), model.log_lift(fit.theta, conditions)[:, None]
     reach = fit.scatter.reach(probability, spread.law, spread.rows, known=spread.known)
     half, signs = reach * np.sqrt(spread.law), np.array([-1.0, 1.0])
     mean = at + signs * half[:, None]
-    if _takes_profile(fit, conditions, method):
-        mean = profile_lift(fit, conditions, half)
+    if _takes_profile(fit, model.pressing(conditions), method):
+        mean = _profiled(fit, model, conditions, half)
     groups = np.array([name in fit.scatter.groups for name in fit.scatter.names], np.bool_)
     # What one pull adds to the linear interval of the law is added to its profile as well.
     pull, new = (
@@ -316,6 +319,15 @@ def _takes_profile(fit: FitResult, conditions: Conditions, method: Method) -> bo
         raise InputError(text, key="method", fix="measure more conditions")
     asked = method == "profile" or (method == "auto" and len(conditions) <= _PROFILED)
     return asked and has_interval(fit) and fit.weighted() is not None and is_curved(fit, conditions)
+
+
+def _profiled(fit: FitResult, model: LiftModel, conditions: Conditions, half: FloatArray) -> FloatArray:
+    """Return the ends of ln F_A along its profile, shape (n, 2), of a rope at rest or running."""
+    pressing = model.pressing(conditions)
+    # Of a running rope only F_A − ρv² depends on the parameters.
+    share = np.exp(model.law.log_lift(fit.theta, pressing) - model.log_lift(fit.theta, conditions))
+    ends = profile_lift(fit, pressing, half / share)
+    return ends if model.inertia_N == 0.0 else np.logaddexp(math.log(model.inertia_N), ends)
 
 
 def has_interval(fit: FitResult) -> bool:
@@ -337,15 +349,16 @@ class Spread(NamedTuple):
     rise: FloatArray
 
 
-def _spread(fit: FitResult, conditions: Conditions) -> Spread:
+def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
     """Return the variances of ln F_A at conditions, NaN where they are unknown."""
-    (log_lift, J), scatter = fit.friction_law.log_lift_and_jacobian(fit.theta, conditions), fit.scatter
+    J, scatter = model.jacobian(fit.theta, conditions), fit.scatter
     # Rounding may turn a variance of zero a hair negative.
     variance = np.maximum(((J @ fit.covariance) * J).sum(axis=-1), 0.0)
     known = ((J @ fit.common_changes) ** 2).sum(axis=1)
     dof = scatter.dof(J, known=known) if scatter.names else np.zeros(len(J))
     if not has_interval(fit):
         variance, dof = np.full_like(variance, np.nan), np.zeros_like(dof)
+    log_lift = model.log_lift(fit.theta, conditions)
     rise = log_lift - conditions.log_end_tension
     return Spread(variance, dof, J, known, scatter.one_pull(log_lift, rise), rise)
 
@@ -411,6 +424,14 @@ def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = Non
     force = model.uneven.centre if log_lift is None else log_lift
     own = model.one_pull(np.array([force]), np.array([rise]))
     return math.sqrt(float(model.integrated(np.zeros((1, fit.theta.size)), own)[0][0]))
+
+
+def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:
+    if (density is None) != (speed is None):
+        missing = "speed_m_s" if speed is None else "linear_density_kg_m"
+        text = f"a running rope needs its mass per length and its speed; {missing} is missing"
+        raise InputError(text, key=missing, fix="give both, or neither for a rope at rest")
+    return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
 
 
 def lmfit_model(law: str | FrictionLaw) -> "lmfit.Model":

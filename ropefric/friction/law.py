@@ -504,3 +504,54 @@ def with_variant(law: FrictionLaw) -> FrictionLaw:
         special_cases=tuple(case.variant or case for case in law.special_cases),
     )
     return replace(law, variant=variant)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiftModel:
+    """A law and how fast its rope runs: ln F_A and its gradient, at rest or moving.
+
+    The part ρv² of the tension only bends the rope's path and presses nothing. Friction sees F − ρv² everywhere, in
+    the equivalence of end tension and wrap too: F_A − ρv² = (F_B − ρv²) exp ∫μ holds for every law.
+    """
+
+    law: FrictionLaw
+    linear_density_kg_m: float = 0.0
+    speed_m_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        rho, v = self.linear_density_kg_m, self.speed_m_s
+        if not (math.isfinite(rho) and math.isfinite(v) and rho >= 0.0):
+            why = f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more"
+            raise InputError(why, key="linear_density_kg_m")
+
+    @property
+    def inertia_N(self) -> float:
+        """Return ρv² [N]."""
+        speed_m_s = float(self.speed_m_s)
+        return float(self.linear_density_kg_m) * (speed_m_s * speed_m_s)
+
+    def log_lift(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
+        """Return ln(F_A / 1 N), shape (n,) or (m, n)."""
+        pressing = self.law.log_lift(theta, self.pressing(conditions))
+        return pressing if self.inertia_N == 0.0 else np.logaddexp(math.log(self.inertia_N), pressing)
+
+    def jacobian(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
+        """Return ∂ ln F_A/∂θ, shape (n, p) or (m, n, p); only F_A − ρv² depends on the parameters."""
+        slopes = self.law.jacobian(theta, self.pressing(conditions))
+        if self.inertia_N == 0.0:
+            return slopes
+        share = -np.expm1(math.log(self.inertia_N) - self.log_lift(theta, conditions))
+        return np.asarray(slopes * share[..., np.newaxis])
+
+    def pressing(self, conditions: Conditions) -> Conditions:
+        """Return the conditions with F_B − ρv², the part of the end tension that presses on the wheel."""
+        if self.inertia_N == 0.0:
+            return conditions
+        left_N = conditions.end_tension_N - self.inertia_N
+        if not (left_N > 0.0).all():
+            where = conditions.describe(int(np.argmin(left_N)))
+            why = (
+                f"rho v^2 = {self.inertia_N:.6g} N is not below F_B at {where}: the rope lifts off the wheel"
+            )
+            raise InputError(why, code="RF420", fix="raise the end tension or lower the speed")
+        return replace(conditions, end_tension_N=left_N)

@@ -200,6 +200,8 @@ def test_a_prediction_has_the_agreed_shape(call):
     assert (found["level"], found["extrapolated"], found["method"]) == (0.95, False, "profile")
     assert width(predicted("--level", "0.99")) > 1.2 * width(found)
     assert width(predicted("--method", "linear")) == pytest.approx(width(found), rel=0.2)
+    moving = predicted("--speed", "10 m/s", "--linear-density", "62 g/m")
+    assert moving["lift_force_N"] < found["lift_force_N"]
 
 
 def test_what_was_not_tested_is_flagged(call):
@@ -233,6 +235,9 @@ def test_a_number_without_a_unit_or_of_another_is_refused_with_the_way_to_write_
     other = call("predict", "--fit", COUPLED, *WHEEL[:4], "--end-tension", "60 mm")
     assert other.code == 2
     assert "is not a unit of force" in other.err
+    done = call("predict", "--fit", COUPLED, *WHEEL, "--speed", "0.3 m/s")
+    assert done.code == 3
+    assert "linear_density_kg_m is missing" in done.err
 
 
 def test_fits_that_do_not_answer(call, tmp_path):

@@ -15,6 +15,7 @@ MANY = ", ".join(f"{i} {{0}}" for i in range(1, 42))
 
 COMMANDS = {
     "length": (("predict", "--fit", FIT, *PULL, "--wheel-radius", "1e300 mm"), 2, "1e+30 m is the limit"),
+    "speed": (("predict", "--fit", FIT, *PULL, "--speed", "1e300 m/s"), 2, "1e+30 m/s is the limit"),
     "no number": (("predict", "--fit", FIT, *PULL, "--wrap", "5e-324 deg"), 2, "1e-30 rad is the limit"),
     "unit": (("predict", "--fit", FIT, *PULL, "--wrap", "1 " + "a" * 30 + "!"), 2, "is not a unit"),
     "power": (("predict", "--fit", FIT, *PULL, "--wrap", "10**10**10 deg"), 2, "is not a unit"),

@@ -11,6 +11,7 @@ from hard_regime import EPS, START, answer, fact, refusals, refused, regime, rel
 from ropefric.fitting.fit import guess
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.integral import PowerSpan, power_integral, power_log_start
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 
 EQUATION = "the printed equation, its slopes by differences"
@@ -30,6 +31,10 @@ def at(*args, **settings):
 
 def lift(name, theta, *args, **settings):
     return ALL_LAWS[name].log_lift(theta, at(*args, **settings))[0]
+
+
+def moving(wrap, tension, density, speed, *, name="constant", theta=(0.2,)):
+    return _log_lift_running(ALL_LAWS[name], density, speed, theta, at(wrap, tension))[0]
 
 
 @regime("φ → 0", 1e-12, EQUATION,
@@ -282,6 +287,37 @@ def the_logarithm_is_finite_where_the_force_is_no_number():
         assert lift(name, START[name], math.tau * 30_000) > 709.8, name
     wrap = (math.log(1.7976931348623157e308) - math.log(20.0)) / 0.2
     assert 1.79e308 < math.exp(lift("constant", [0.2], wrap * (1 - 1e-15))) < math.inf
+    # Inertia counts for nothing there.
+    many = math.tau * 1000
+    assert np.isclose(moving(many, 20.0, 0.06, 10.0), math.log(14.0) + 0.2 * many, rtol=1e-15, atol=0.0)
+
+
+@regime("F_B → ρv²⁺", 1e-12, "ρv² + (F_B − ρv²) e^(μφ)",
+        "F_B/ρv² − 1 = 1e-3 … 2e-16: ln F_A, and the force that friction adds, to the digits that F_B − ρv² "
+        "has")  # fmt: skip
+def inertia():
+    """Return the worst error at ρv² = 16 N, exact in floats."""
+    errors = []
+    for above in (1e-3, 2.0**-30, 2.0**-52):
+        tension = 16.0 * (1 + above)
+        with mp.workdps(60):
+            truth = mp.log(16 + (mp.mpf(tension) - 16) * mp.exp(mp.mpf(0.2) * 25))
+        errors.append(relative(moving(25.0, tension, 0.0625, 16.0), truth))
+    return max(errors)
+
+
+@refusals
+def ropes_that_lift_off():
+    """A rope at rest is the law itself, whatever its size."""
+    for tension in (1e-310, 1e-300, 20.0, 1e300):
+        assert moving(25.0, tension, 1e300, 0.0) == lift("constant", [0.2], 25.0, tension)
+    for speed in (16.0, 16.000001, 1e9, 1e160, 1.7e308, -17.0):
+        yield (partial(moving, 25.0, 16.0, 0.0625, speed),
+               "is not below F_B at condition 0 .*: the rope lifts off the wheel")  # fmt: skip
+    yield (partial(moving, 25.0, 16.5, 0.0625, 16.0, name="wrap-power", theta=[0.2, -0.5, 0.1]),
+           "F_B = 0.5 N is below F_0")  # fmt: skip
+    for speed in (np.nan, np.inf, -np.inf):
+        yield partial(moving, 25.0, 16.0, 0.0625, speed), "must be finite"
 
 
 EXTREMES = (5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 0.04, 1.0, 20.0, 1e16, 1e160, 1e300, 1.7e308)
@@ -313,10 +349,11 @@ def laws_answer_extremes_or_refuse():
                 continue
             at, bounds = one_condition(*settings), [(p.lower, p.upper, p.start) for p in law.parameters]
             theta = [[*b, rng.choice(EXTREMES), -rng.choice(EXTREMES)][rng.integers(5)] for b in bounds]
-            place, force = rng.choice(EXTREMES, 2)
+            place, density, speed, force = rng.choice(EXTREMES, 4)
             calls = (partial(law.log_lift_and_jacobian, theta, at),
                      partial(law.log_lift_gradient_conditions, theta, at),
                      partial(law.average_mu, theta, at), partial(law.local_mu, theta, place, at),
+                     partial(_log_lift_running, law, density, speed, theta, at),
                      partial(guess, law, at, [force]))  # fmt: skip
             answered += sum(answer(call) is not None for call in calls)
         assert answered > 4, name
@@ -325,3 +362,7 @@ def laws_answer_extremes_or_refuse():
 def _numbers_of_conditions(settings):
     found = one_condition(*settings)
     return found.size_ratio, found.centreline_radius_m, found.log_end_tension
+
+
+def _log_lift_running(law, density, speed, *pull):
+    return LiftModel(law=law, linear_density_kg_m=density, speed_m_s=speed).log_lift(*pull)

@@ -159,6 +159,8 @@ def predict(
     wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
     end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
     rope_diameter: float | None = options.ROPE_DIAMETER,
+    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
     level: options.Level = 0.95,
     method: str = Option("auto", metavar="auto|linear|profile", help="How the uncertainty is carried over."),
     hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
@@ -170,12 +172,14 @@ def predict(
     stored = options.read_fit(fit, out)
     rope_m = options.rope_radius(stored, rope_diameter)
     wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
+    running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
-    found = predicting.predict(stored, wheel, level=level, method=method)  # type: ignore[arg-type]
+    found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [parts.prediction_section(found)]
     if hand:
-        shown = stored.friction_law.calculation(stored.theta, wheel)
+        running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
+        shown = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(shown)
         sections.append(section.Section(title="By hand", lines=shown, verbatim=True))
     return Answer(data, sections, exit_code_of(found.verdict()))

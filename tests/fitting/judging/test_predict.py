@@ -18,6 +18,7 @@ from ropefric.fitting.predict import lift_ends, new_rope_std, predict
 from ropefric.fitting.scatter import ALL
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 
 
@@ -30,12 +31,13 @@ def test_outside_what_was_tested_a_rival_law_lowers_the_bound_of_one_pull():
     """To its own lower bound, if that is lower; within the tested range the law alone counts."""
     stored = Path(__file__).parents[3] / "fits"
     fit, rival = (load_fit(stored / f"prth-{name}.json") for name in ("coupled", "constant"))
+    law, other = (LiftModel(law=one.friction_law) for one in (fit, rival))
     lower = []
     for wheel_m in (0.04, 0.3):
         at = replace(pulls((6.0, 9.0), load=60.0, wheel=wheel_m), rope_radius_m=0.0049)
-        own = lift_ends(fit, at, 0.95).pull[:, 0]
-        with_rival = lift_ends(replace(fit, rivals=(rival,)), at, 0.95).pull[:, 0]
-        of_rival = lift_ends(rival, at, 0.95).pull[:, 0]
+        own = lift_ends(fit, law, at, 0.95).pull[:, 0]
+        with_rival = lift_ends(replace(fit, rivals=(rival,)), law, at, 0.95).pull[:, 0]
+        of_rival = lift_ends(rival, other, at, 0.95).pull[:, 0]
         lower.append((own, with_rival, np.minimum(own, of_rival)))
     (own, with_rival, _), (alone, outside, both) = lower
     np.testing.assert_array_equal(own, with_rival)
@@ -91,11 +93,34 @@ def test_the_profile_of_a_prediction_is_where_a_constrained_fit_says(wrap_fit):
     assert found.interval_N[0] == pytest.approx(straight.interval_N[0], rel=0.02)
 
 
-def test_the_standard_error_of_a_curved_law_is_carried_over_by_its_gradient(wrap_fit):
-    at = pulls(wrap=[1.0, 9.0, 30.0])
-    J = ALL_LAWS["wrap-power"].jacobian(wrap_fit.theta, at)
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_gradient_of_a_running_rope(wrap_fit, speed):
+    model = LiftModel(law=ALL_LAWS["wrap-power"], linear_density_kg_m=0.06, speed_m_s=speed)
+    theta, at = wrap_fit.theta, pulls(wrap=[1.0, 9.0, 30.0])
+    J = model.jacobian(theta, at)
+    for i in range(3):
+        h = 1e-6 * max(abs(theta[i]), 0.01)
+        up, down = theta.copy(), theta.copy()
+        up[i] += h
+        down[i] -= h
+        slope = (model.log_lift(up, at) - model.log_lift(down, at)) / (2 * h)
+        np.testing.assert_allclose(J[:, i], slope, rtol=2e-6)
+    running = {"linear_density_kg_m": 0.06, "speed_m_s": speed} if speed else {}
     expected = [math.sqrt(j @ wrap_fit.covariance @ j) for j in J]
-    np.testing.assert_allclose(predict(wrap_fit, at).std_log, expected, rtol=1e-9)
+    np.testing.assert_allclose(predict(wrap_fit, at, **running).std_log, expected, rtol=1e-9)
+
+
+def test_running_rope_lifts_by_the_centrifugal_formula(constant_fit):
+    mu = constant_fit["mu"].value
+    running = {"linear_density_kg_m": 0.06, "speed_m_s": 10.0}
+    found = predict(constant_fit, pulls([6.0]), **running)
+    assert found.lift_force_N[0] == pytest.approx(6 + 14 * math.exp(6 * mu), rel=1e-12)
+    by_profile = predict(constant_fit, pulls([6.0]), method="profile", **running)
+    assert by_profile.interval_N == pytest.approx(found.interval_N, rel=1e-9)
+    with pytest.raises(InputError, match="lifts off the wheel"):
+        predict(constant_fit, pulls(), linear_density_kg_m=0.06, speed_m_s=30.0)
+    with pytest.raises(InputError, match="speed_m_s is missing"):
+        predict(constant_fit, pulls(), linear_density_kg_m=0.06)
 
 
 def test_extrapolation_in_words(constant_fit):
@@ -116,7 +141,8 @@ def test_json(constant_fit):
 
 def test_bad_arguments(constant_fit):
     for options, message in (({"level": 1.0}, "level is 1"), ({"level": math.nan}, "level is nan"),
-            ({"method": "magic"}, "unknown method")):  # fmt: skip
+            ({"method": "magic"}, "unknown method"),
+            ({"linear_density_kg_m": -1.0, "speed_m_s": 1.0}, "zero or more")):  # fmt: skip
         with pytest.raises(InputError, match=message):
             predict(constant_fit, pulls(), **options)
     with pytest.raises(InputError, match="overflows"):

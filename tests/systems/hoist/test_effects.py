@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.systems.friction import WrapFriction
@@ -53,11 +54,8 @@ def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved):
 def test_centrifugal_agrees_with_the_friction_room(full_problem, solved):
     lift = solved(full_problem, ["wrap-dependence", "size", "end-tension", "centrifugal"])
     law, theta = full_problem.friction.law, full_problem.friction.theta
-    circling_N = 0.062 * 3.0**2
-    pressing = law.log_lift(
-        theta, own(replace(full_problem, end_tension_N=full_problem.end_tension_N - circling_N))
-    )
-    assert lift.log_lift[0] == pytest.approx(np.logaddexp(math.log(circling_N), pressing)[0], rel=1e-14)
+    wanted = LiftModel(law=law, linear_density_kg_m=0.062, speed_m_s=3.0).log_lift(theta, own(full_problem))
+    assert lift.log_lift[0] == pytest.approx(wanted[0], rel=1e-14)
 
 
 def test_rope_weight_is_an_end_tension(full_problem, solved):

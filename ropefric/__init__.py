@@ -13,8 +13,8 @@ from ropefric.shown import provide as _provide
 __version__ = "0.2.0"
 
 _NAMES = {
-    "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit friction_table "
-    "measured_budgets monte_carlo plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
+    "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit "
+    "monte_carlo plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
     "errors": "RopefricError RopefricWarning",
     "fitting.predict": "lmfit_model",
     "fitting.store": "load_fit save_fit",

@@ -7,8 +7,6 @@ from ropefric.api import explain as explain
 from ropefric.api import extract as extract
 from ropefric.api import find_breakaway as find_breakaway
 from ropefric.api import fit as fit
-from ropefric.api import friction_table as friction_table
-from ropefric.api import measured_budgets as measured_budgets
 from ropefric.api import monte_carlo as monte_carlo
 from ropefric.api import plan_tests as plan_tests
 from ropefric.api import predict as predict

@@ -24,7 +24,7 @@ from ropefric.errors import (
     Kind,
 )
 from ropefric.files.folder import Folder
-from ropefric.fitting import budgets, exchange, next_tests, resolution
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -32,8 +32,7 @@ from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.predict import FrictionTable, Method, Prediction
-from ropefric.fitting.predict import friction_table as tabulate
+from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
@@ -745,53 +744,6 @@ def _wheel(asked: Mapping[str, Any]) -> Conditions:
     return one_condition(**{name: number(value, "", name) for name, value in given.items()})
 
 
-def friction_table(
-    fit: FitResult | PathLike,
-    *,
-    wheel_radius_m: Given = None,
-    wrap_angle_rad: Given = None,
-    end_tension_N: Given = None,
-    rope_radius_m: Given = None,
-    **named: Given,
-) -> FrictionTable:
-    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that fits it best.
-
-    Parameters
-    ----------
-    fit : FitResult or path-like
-        The fit or its file.
-    wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m : array_like, optional
-        Levels of each setting, of which every combination becomes a row; by default over the tested range.
-    **named : number, array_like or quantity
-        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
-        `wrap_turns=1.5`, `wheel_radius="35 mm"`.
-
-    Returns
-    -------
-    FrictionTable
-        `to_frame()` has the table; `constant_mu` is the constant whose largest relative error of the lift force over the
-        table, `constant_error`, is smallest.
-
-    Raises
-    ------
-    InputError
-        If the law has no answer anywhere on the grid, or a wrap is zero.
-
-    Examples
-    --------
-    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
-    ...     "peak_N": [36.6, 66.1, 121.7]}
-    >>> table = friction_table(fit(trials, "constant"), wrap_turns=[1, 2])
-    >>> round(table.constant_mu, 3), len(table.to_frame())
-    (0.2, 2)
-    """
-    levels = in_declared_units(
-        named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
-        rope_radius_m=rope_radius_m,
-    )  # fmt: skip
-    return tabulate(as_fit(fit), **settings(**levels))
-
-
 def budget(
     fit: FitResult | PathLike,
     *,
@@ -867,68 +819,6 @@ def budget(
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
-def measured_budgets(
-    trials: Trials,
-    quantity: budgets.MeasuredQuantity = "force",
-    *,
-    u_wrap_angle_rad: float | None = None,
-    gain_limit: float = 0.0,
-    weights_tolerance: float = 0.0,
-    gravity_limit: float = budgets.GRAVITY_LIMIT,
-    level: float = 0.95,
-    draws: int = 200_000,
-    seed: int = 0,
-) -> tuple[Statement, ...]:
-    """Return the uncertainty budget of each measured condition: of its force, or of μ̄ = ln(F_A/F_B)/φ.
-
-    Parameters
-    ----------
-    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
-        See `trial_table`, which takes `columns`, too; a path is that of a table, not of a campaign. An extraction knows
-        its measuring chain, a table only the total.
-    quantity : {"force", "mu"}
-        What the budget is of.
-    u_wrap_angle_rad : float, optional
-        Standard uncertainty of the wraps [rad]; by default what the trials say.
-    gain_limit : float
-        Limit of error of the gain, common to both sides [-].
-    weights_tolerance : float
-        Of the dead weights of an extraction [-], see `ropefric.fitting.budgets.weights`.
-    gravity_limit : float
-        Limit of error of g of the weights [-].
-    level, draws, seed
-        As `budget`.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong in a table.
-    InputError
-        If the quantity is neither, or an argument is out of range.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": 3.0,
-    ...                       "end_tension_N": 20, "peak_N": [36.0, 36.8, 36.3]})
-    >>> [round(one.budget.estimate, 2) for one in measured_budgets(frame, draws=20_000)]
-    [36.37]
-    """
-    NUMBER.check(
-        gain_limit=gain_limit, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit, level=level
-    )
-    NUMBER.check_given(u_wrap_angle_rad=u_wrap_angle_rad)
-    WHOLE_NUMBER.check(draws=draws, seed=seed)
-    if isinstance(trials, Extraction):
-        limits = {"weights_tolerance": weights_tolerance, "gravity_limit": gravity_limit}
-        found = budgets.conditions_of_extraction(trials, **limits)
-    else:
-        found = budgets.conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
-    known: dict[str, Any] = {"u_wrap_angle_rad": u_wrap_angle_rad, "gain_limit": gain_limit}
-    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
-    return tuple(budgets.state_condition(item, quantity, **known, **check) for item in found)
-
-
 def plan_tests(
     known: FitResult | next_tests.PlannedLaw | PathLike,
     *,
@@ -942,10 +832,7 @@ def plan_tests(
     largest_force_N: Given = None,
     n_conditions: int = 12,
     repeats: int = 12,
-    criterion: exchange.Criterion = "v",
     level: float = 0.95,
-    starts: int = 10,
-    seed: int = 0,
     **named: Given,
 ) -> next_tests.LabPlan:
     """Return the conditions to test next so that one wanted lift force becomes as certain as it can.
@@ -962,7 +849,7 @@ def plan_tests(
         R_r [m]; that of the trials where they had one rope only, and needed with a guessed law.
     largest_force_N : float
         The largest F_A the cell takes [N]; no limit by default.
-    n_conditions, repeats, criterion, level, starts, seed
+    n_conditions, repeats, level
         As `ropefric.fitting.next_tests.plan_tests`.
     **named : number, array_like or quantity
         The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
@@ -985,8 +872,7 @@ def plan_tests(
     >>> plan.conditions.wrap_angle_rad.tolist()
     [9.0, 12.0, 12.0]
     """
-    TEXT.check(criterion=criterion)
-    WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats, starts=starts, seed=seed)
+    WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats)
     NUMBER.check(level=level)
     asked = in_declared_units(
         named, wheels_m=wheels_m, wraps_rad=wraps_rad, end_tensions_N=end_tensions_N, wheel_radius_m=wheel_radius_m,
@@ -1014,9 +900,8 @@ def plan_tests(
         largest_force_N=number(largest_N, "N", "largest_force_N"),
     )
     return next_tests.plan_tests(
-        planned, limits, wanted,
-        n_conditions=n_conditions, repeats=repeats, criterion=criterion, level=level, starts=starts, seed=seed,
-    )  # fmt: skip
+        planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, level=level
+    )
 
 
 def accuracy_table(

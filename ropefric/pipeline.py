@@ -259,8 +259,8 @@ _LEVELS = 12
 _PLANNED = 6
 
 
-Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
-"""Each condition with the uncertainty of its measured force, by the budget alone."""
+Measured = tuple[tuple[budgets.MeasuredForce, LinearBudget], ...]
+"""The measured force of each condition with its uncertainty, by the budget alone."""
 
 
 class Evidence(NamedTuple):
@@ -291,11 +291,13 @@ def gather_evidence(run: CampaignRun | CampaignAnswer) -> Evidence:
             missing.append(f"no {name}: {error.problem.message}")
             return None
 
-    measured = attempt("budgets of the measured forces", lambda: _measured(answer, campaign)) or ()
-    typical, number = None, 0
+    measured = typical = None
+    number = 0
+    if campaign is not None:
+        measured = attempt("budgets of the measured forces", lambda: _measured(campaign))
     if measured:
         middle = sorted(measured, key=lambda item: item[1].relative)[len(measured) // 2][0]
-        model, notes, number = budgets.force_model(middle.measured), middle.notes, middle.number
+        number, (_, model, notes) = middle.number, middle
         typical = attempt("budget of a typical force", lambda: state_uncertainty(model, notes=notes))
     prediction, design = answer.prediction, dict[str, Any]()
     if prediction is not None:
@@ -311,7 +313,7 @@ def gather_evidence(run: CampaignRun | CampaignAnswer) -> Evidence:
         words = attempt("result without the outlier rule", lambda: rejection_words(campaign))
         design["rejection"] = words or ()
     return Evidence(
-        measured=measured, typical=typical, typical_number=number, **design, missing=tuple(missing)
+        measured=measured or (), typical=typical, typical_number=number, **design, missing=tuple(missing)
     )
 
 
@@ -341,13 +343,8 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _measured(answer: CampaignAnswer, run: CampaignRun | None) -> Measured:
-    if run is None:
-        conditions = budgets.conditions_of_table(answer.table)
-    else:
-        tolerance = run.campaign.weights_tolerance
-        conditions = budgets.conditions_of_extraction(run.extraction, weights_tolerance=tolerance)
-    return tuple((item, linear_budget(budgets.force_model(item.measured))) for item in conditions)
+def _measured(run: CampaignRun) -> Measured:
+    return tuple((item, linear_budget(item.model)) for item in budgets.measured_forces(run.extraction))
 
 
 def evidence_files(evidence: Evidence) -> dict[str, str]:
@@ -398,7 +395,7 @@ def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
         return math.nan
 
 
-def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95) -> DesignChart:
+def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
     """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
@@ -406,7 +403,7 @@ def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95
     wheels_m = np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m))
     wraps_rad = np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS)
     end_N, rope_m = float(wheel.end_tension_N[0]), float(wheel.rope_radius_m[0])
-    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m, probability=probability)
+    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m)
 
 
 def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Conditions) -> next_tests.LabPlan:
@@ -496,8 +493,6 @@ def _traced(
     seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
     if evidence.lift is not None:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
-    if evidence.plan is not None:
-        seeds["plan of tests"] = evidence.plan.seed
     return {
         "command": shlex.join(words),
         "law": answer.forced_law,

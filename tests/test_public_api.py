@@ -43,17 +43,14 @@ SIGNATURES = {
     "window_s=None, start_s=None, stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, groups=None, shared=None, n_starts=4, "
     "seed=0, intervals='auto', of='peak', columns=None)",
-    "friction_table": f"(fit, *, {WHEEL}, **named)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
     "load_plugin": "(source, called='')",
     "load_scene": "(path, changes=None)",
-    "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
-    "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
     "monte_carlo": "(scene, *, draws=10000, seed=0, level=0.95, progress=None, table=None, executor=None)",
     "plan_tests": f"(known, *, wheels_m=None, wraps_rad=None, end_tensions_N=None, {WHEEL}, largest_force_N=None, "
-    "n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, seed=0, **named)",
+    "n_conditions=12, repeats=12, level=0.95, **named)",
     "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
     "rope=None, columns=None, **named)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
@@ -146,9 +143,6 @@ def test_an_extraction_is_a_table(tmp_path):
     assert table.peak_N.tolist() == [trial.peak_N for trial in extraction.trials]
     fit = rf.fit(extraction, "constant")
     assert fit.statistics.n == 8
-    stated = rf.measured_budgets(extraction, draws=20_000)
-    assert [one.budget.estimate for one in stated] == pytest.approx([one.mean_kept_N
-        for one in extraction.conditions], rel=1e-12)  # fmt: skip
     trace = rf.read_trial(campaign, "c01-r02")
     assert rf.find_breakaway(trace).peak_N == pytest.approx(extraction.trials[1].peak_N, rel=1e-12)
     assert rf.smooth(trace).window_s == pytest.approx(extraction.trials[1].breakaway.window_s, rel=0.01)
@@ -195,7 +189,6 @@ def test_settings_come_in_any_unit_under_the_names_of_a_table():
         assert fit.predict(**wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
         needed = rf.design(fit, lift="168.8 N", **own, end_tension="60 N", probability=None)
         assert np.degrees(needed.value) == pytest.approx(400, abs=0.5)
-        assert rf.friction_table(fit, **wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
     exact, loose = (rf.budget(fit, **wheel, **u, draws=10_000).budget for u in ({}, {"u_wrap": "2 deg"}))
     assert exact.estimate == loose.estimate
     assert exact.combined < loose.combined
@@ -263,19 +256,6 @@ def test_a_budget_of_exact_settings_is_the_standard_error_of_the_prediction():
     rope = new_rope_std(rf.load_fit(COUPLED)) * predicted.lift_force_N[0]
     one_pull = rf.budget(COUPLED, **wheel, one_pull=True, draws=20_000)
     assert one_pull.budget.combined == pytest.approx(np.hypot(predicted.std_N[0], rope), rel=1e-6)
-
-
-def test_measured_budgets_know_every_condition(few):
-    table = rf.trial_table(few)
-    forces = rf.measured_budgets(few, draws=10_000)
-    mu = rf.measured_budgets(table, "mu", u_wrap_angle_rad=0.035, draws=10_000)
-    assert len(forces) == len(mu) == rf.fit(table, "constant").statistics.n_conditions
-    first = forces[0].model
-    assert (first.symbol, first.unit, mu[0].model.unit) == ("F_A", "N", "-")
-    with pytest.raises(InputError, match="neither 'force' nor 'mu'"):
-        rf.measured_budgets(table, "mü")
-    with pytest.raises(DataError, match="a TOML file, not a table of trials Fix: give a table such as"):
-        rf.measured_budgets("data/prth-bench/campaign.toml")
 
 
 def test_tests_are_planned_from_a_fit():

@@ -38,7 +38,6 @@ MADE = {
     "prediction": lambda: rf.predict(COUPLED, **WHEEL),
     "design": lambda: rf.design(COUPLED, lift_N=900.0, wheel_radius_m=[0.03, 0.04], end_tension_N=80.0),
     "budget": lambda: rf.budget(COUPLED, **WHEEL, draws=20_000),
-    "export": lambda: rf.friction_table(COUPLED, wheel_radius_m=["20 mm", "40 mm"]),
     "campaign": lambda: rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml"),
     "scene": lambda: rf.load_scene(HOIST),
     "series": lambda: rf.reject([7.18, 7.64, 8.00, 7.40, 9.14, 7.82]),

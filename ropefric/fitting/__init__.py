@@ -6,8 +6,7 @@ and searches from a few good starts; `statistics` knows scatter, covariance, ide
 and rules of the verdict, and `assembled` from what was found. `intervals` follows profiles of parameters and lift
 forces. `store` writes, loads and verifies fits.
 Its quality: `compare` ranks laws by their fits to condition means (`standing`) and chooses one, `diagnose` says why a
-rope does not obey the capstan equation. Its use: `predict` gives the lift force of a wheel, and laws for simulators and
-lmfit, `design` the wheel for a lift force; `budgets` states uncertainty after the GUM, of a measurement and of a
-predicted lift force; `next_tests` plans the next measurements with the search of `exchange`, and `resolution` says what
-a list of conditions can determine.
+rope does not obey the capstan equation. Its use: `predict` gives the lift force of a wheel, and laws for lmfit, `design`
+the wheel for a lift force; `budgets` states uncertainty after the GUM, of measured and of predicted forces; `next_tests`
+plans the next measurements with the search of `exchange`, and `resolution` says what a list of conditions can determine.
 """

@@ -33,7 +33,7 @@ QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
     "wrap": ("wrap_angle_rad", "rad", (0.0, 40.0 * math.pi)),
     "end_tension": ("end_tension_N", "N", (1.0, 1e5)),
 }
-"""Name and unit of each quantity that a design can look for, and its range of search by default."""
+"""Name and unit of each quantity that a design can look for, and its range of search."""
 
 _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
@@ -117,7 +117,7 @@ class Design(Shown):
         if code is DesignStatus.OUT_OF_REACH:
             return (
                 f"out of reach: even {high} lifts {self.limit_lift_N[index]:.6g} N on average, less than {need}; "
-                "change another quantity or raise the limit"
+                "change another quantity"
             )
         if code is DesignStatus.TOO_UNCERTAIN:
             return (
@@ -189,7 +189,6 @@ def design(
     end_tension_N: npt.ArrayLike | None = None,
     solve_for: SolveFor = "wrap",
     probability: float | None = 0.95,
-    limits: tuple[float, float] | None = None,
 ) -> Design:
     """Return the smallest wrap, wheel radius or end tension that lifts a load, for n designs at once.
 
@@ -199,7 +198,7 @@ def design(
     linear bound is searched, and corrected by how far the profile lies from it at what was found.
     """
     given, load_N, (low, high) = _checked(
-        fit, solve_for, limits,
+        fit, solve_for,
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
@@ -258,10 +257,7 @@ def design(
 
 
 def _checked(
-    fit: FitResult,
-    solve_for: SolveFor,
-    limits: tuple[float, float] | None,
-    **quantities: npt.ArrayLike | None,
+    fit: FitResult, solve_for: SolveFor, **quantities: npt.ArrayLike | None
 ) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
     """Return the given quantities of n designs, their loads [N], and the range to search; refuse all that is wrong."""
     if solve_for not in tuple(QUANTITIES):
@@ -277,7 +273,7 @@ def _checked(
         text = f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found"
         fix = "solve for the wrap or the end tension, or fit a law with a size effect"
         raise InputError(text, key="solve_for", fix=fix)
-    low, high = _range(solve_for, limits)
+    low, high = QUANTITIES[solve_for][2]
     lists = {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
     given = same_length("designs", lists)
     load_N = given.pop("lift_N")
@@ -288,16 +284,6 @@ def _checked(
         text = f"lift_N[{bad[0]}] is {load_N[bad[0]]:g} N; it must be finite and positive"
         raise InputError(text, key="lift_N")
     return given, load_N, (low, high)
-
-
-def _range(solve_for: SolveFor, limits: tuple[float, float] | None) -> tuple[float, float]:
-    """Return where to search."""
-    _, unit, usual = QUANTITIES[solve_for]
-    low, high = (float(end) for end in (limits or usual))
-    if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
-        text = f"limits {low:g} to {high:g} {unit} are none"
-        raise InputError(text, key="limits", fix="give 0 < low < high in SI")
-    return low, high
 
 
 def _of(function: Rising, some: Rows) -> Rising:

@@ -6,7 +6,6 @@ operator, order, dwell) are judged by what they explain beside all settings.
 """
 
 import math
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -14,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.special import fdtrc, stdtr, stdtrit
+from scipy.special import stdtr, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
@@ -38,7 +37,6 @@ WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "undetermined
 _WEAK = 2.0
 _SAME_AICC = 1e-6
 _SIGNIFICANT, _DOUBTED = 0.01, 0.05
-_MANY = 0.2
 _LEVEL = 0.95
 # Of a column, what others leave of it; below, it says nothing that they do not.
 _ALIASED = 1e-6
@@ -148,7 +146,7 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnos
     pairs = _not_separated(causes, ranked, trends)
     causes = [_with_pairs(cause, pairs) for cause in causes]
     causes += [_grouped(title, table, problem, trends) for title in _GROUPS]
-    causes += [_no_slip(table), _scatter(ranked, means), _wild(wild)]
+    causes.append(_wild(wild))
     return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes, pairs), verdict=verdict)
 
 
@@ -525,45 +523,6 @@ def _wild(names: Sequence[str]) -> Cause:
         return Cause(title, "no", "no single trial lies far off all the others", experiment)
     text = f"trial {', '.join(names)} lies far off all the others, and was left out of this diagnosis"
     return Cause(title, "yes", text, experiment, {"trials": float(len(names))})
-
-
-def _no_slip(table: TrialTable) -> Cause:
-    title = "no gross slip"
-    experiment = "raise the motor torque until the rope slides all round, and record the slide after the peak"
-    bad, n = Counter(word for word in table.status if word != "ok"), len(table)
-    supported: Supported = "no"
-    text = f"all {n} trials have status ok; the recordings, which decide this, are not in the table"
-    if bad:
-        words = ", ".join(f"{count} {word}" for word, count in sorted(bad.items()))
-        text = f"{bad.total()} of {n} trials ({bad.total() / n:.0%}) gave no break-away force: {words}"
-        supported = "yes" if bad["no-breakaway"] > _MANY * n else "cannot-tell"
-    return Cause(title, supported, text, experiment, {"not_ok": float(bad.total()), "trials": float(n)})
-
-
-def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
-    """Return whether conditions lie further off the best law than their repeats allow."""
-    title = "condition scatter"
-    experiment = "repeat each condition with a new rope in random order, and again with the same rope"
-    best, K = ranked.best, len(means)
-    repeats, left = int(means.size.sum()) - K, K - best.k + 1
-    text = ""
-    if repeats < 1 or K < 3:
-        text = "no condition was repeated, or there are fewer than three"
-    elif best.fit is None or left < 2:
-        text = f"{K} conditions are too few to separate the scatter between them from an effect"
-    if text or best.fit is None:
-        return Cause(title, "cannot-tell", text, experiment)
-    excess = (best.fit.friction_law.log_lift(best.fit.theta, means.conditions) - means.log_lift) / means.std
-    F = float((excess**2).sum()) / left
-    p_value = float(fdtrc(left, repeats, F))
-    text = (
-        f"conditions scatter about {best.law} {'more than' if p_value < _SIGNIFICANT else 'no more than'} their repeats "
-        f"explain (ratio {math.sqrt(F):.2g}, p = {p_value:.2g})"
-        f"{', by new ropes, settings, or an effect it lacks' * (p_value < _SIGNIFICANT)}; repeats scatter by "
-        f"{100 * means.scatter_within:.2g} %"
-    )
-    numbers = {"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within}
-    return Cause(title, "yes" if p_value < _SIGNIFICANT else "no", text, experiment, numbers)
 
 
 def _summary(ranked: Comparison, causes: Sequence[Cause], pairs: Sequence[tuple[Cause, Cause]]) -> str:

@@ -4,16 +4,13 @@ The plan is found by exchange of conditions against candidates until no exchange
 """
 
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.fitting.statistics import decomposed
-
-Criterion = Literal["v", "d"]
-"""Make the variance of the wanted predictions small, or the volume of the parameters' ellipsoid."""
 
 BALANCE = 0.3
 """Weight of the parameters' ellipsoid in a plan for a prediction [-]; it costs that prediction a few per cent."""
@@ -25,8 +22,6 @@ _WORTHWHILE = 1e-9
 # Part of a mean's error that is its own, at least: of none, two means would show their shared error without any.
 _LEAST_OWN = 1e-4
 _MAX_PASSES = 100
-# Half a per cent of a standard error.
-_AS_GOOD = 0.01
 
 
 class Evidence(NamedTuple):
@@ -85,13 +80,9 @@ class Exchange:
         known: Evidence,
         targets: FloatArray,
         *,
-        criterion: Criterion,
         balance: float = BALANCE,
     ) -> None:
-        """Turn to coordinates in which candidates and prior knowledge have unit size.
-
-        Both criteria keep their order in them.
-        """
+        """Turn to coordinates in which candidates and prior knowledge have unit size; the order of plans stays."""
         both = known.joined(candidates)
         n_known, length = len(known.rows), np.linalg.norm(both.rows, axis=0)
         triangle = np.linalg.qr(both.rows / length, mode="r") / np.sqrt(len(candidates.rows))
@@ -101,7 +92,7 @@ class Exchange:
         self.known, self.rows = whole[:n_known], whole[n_known:]
         self.targets = np.hstack([targets @ turn, np.zeros((len(targets), errors.shape[1]))])
         self.prior = np.diag(np.append(np.zeros(self.q), np.ones(errors.shape[1])))
-        self.criterion, self.balance = criterion, balance
+        self.balance = balance
 
     def _information(self, plan: IntArray) -> FloatArray:
         """Return the information of a plan and of prior knowledge, on parameters and errors together."""
@@ -111,8 +102,6 @@ class Exchange:
 
     def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
         """Return the criterion to minimise, from ln det V and the sum of the targets' variances."""
-        if self.criterion == "d":
-            return np.asarray(log_det)
         mean = np.maximum(variance, _TINY) / len(self.targets)
         return np.asarray(np.log(mean) + self.balance * np.asarray(log_det) / self.q)
 
@@ -163,15 +152,11 @@ class Exchange:
         return plan
 
 
-def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) -> tuple[IntArray, int]:
-    """Return the best plan of n different candidates from several starts, and how many starts found it.
+def best_plan(exchange: Exchange, n: int, *, starts: int = 10) -> IntArray:
+    """Return the best plan of n different candidates from several starts.
 
-    The first start takes the best candidate one by one; the others are drawn at random. The same arguments give the
-    same plan.
+    The first start takes the best candidate one by one; the others are drawn at random, always the same.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     drawn = (rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(starts - 1))
-    found = [exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)]
-    values = np.array([exchange.value(plan) for plan in found])
-    best = int(np.argmin(values))
-    return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
+    return min((exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)), key=exchange.value)

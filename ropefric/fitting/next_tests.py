@@ -1,9 +1,7 @@
-"""Which conditions to test next: the plan that makes a wanted prediction, or a law's parameters, most certain.
+"""Which conditions to test next: the plan that makes a wanted prediction most certain.
 
 In: the knowledge of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
-`LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
-The best plan is found by `exchange`; the plan to compare with varies one factor at a time about a centre, as such
-campaigns are usually made.
+`LabPlan` with how certain the wanted lift forces are expected to be before and after. The plan is found by `exchange`.
 """
 
 import math
@@ -17,21 +15,11 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text, rounded_tree
-from ropefric.fitting.exchange import Criterion, Evidence, Exchange, best_plan
+from ropefric.fitting.exchange import Evidence, Exchange, best_plan
 from ropefric.fitting.fit import at_level, error_name, error_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
-from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.reml import CONDITION
-from ropefric.fitting.resolution import (
-    FACTORS,
-    MOST,
-    SCALE,
-    MeanScatter,
-    RigLimits,
-    law_outlook,
-    nearest_to,
-    one_factor_plan,
-)
+from ropefric.fitting.resolution import FACTORS, MOST, MeanScatter, RigLimits
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
@@ -43,7 +31,6 @@ SCHEMA = "ropefric.test-plan/1"
 
 # Share of the variance above which more pulls do not narrow an interval much.
 _MOSTLY = 0.5
-_CHAIN = "measuring chain"
 _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 
 
@@ -74,7 +61,7 @@ class PlannedLaw:
     tested: Conditions = _UNTESTED
     tested_repeats: npt.ArrayLike = 1.0
     common: tuple[CommonError, ...] = ()
-    chain: str = _CHAIN
+    chain: str = ""
     levels: tuple[LevelScatter, ...] = ()
     notes: tuple[str, ...] = ()
 
@@ -96,15 +83,13 @@ class PlannedLaw:
     @property
     def known(self) -> Evidence:
         """Return what was tested before; of common errors, by what they did to the fit."""
-        log_lift = self.law.log_lift(self.theta, self.tested)
-        chain = {name: size for name, size in self._effects(self.tested, log_lift).items() if name == _CHAIN}
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
         for group in self.levels:
             named |= group.effects
         own2 = self.scatter.variance(self.tested_repeats)
         if any(group.name == CONDITION for group in self.levels):
             own2 = own2 - self.scatter.between**2
-        return self._evidence(self.tested, own2, chain | named)
+        return self._evidence(self.tested, own2, named)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -117,7 +102,7 @@ class PlannedLaw:
             if group.name != CONDITION:  # pulled with all ropes in turn
                 each = group.std * (log_lift - conditions.log_end_tension) / len(group.effects)
                 effects |= dict.fromkeys(group.effects, each)
-        effects |= self._effects(conditions, log_lift)
+        effects |= self._effects(conditions)
         return self._evidence(conditions, self.scatter.variance(repeats), effects)
 
     def _evidence(
@@ -128,46 +113,36 @@ class PlannedLaw:
         rows = slopes[:, self.free] / std[:, None]
         return Evidence(rows, np.sqrt(own2) / std, {name: effect / std for name, effect in effects.items()})
 
-    def _effects(self, at: Conditions, log_lift: FloatArray) -> dict[str, FloatArray]:
+    def _effects(self, at: Conditions) -> dict[str, FloatArray]:
         """Return how one standard uncertainty of each error that conditions share moves their ln F_A, shape (n,).
 
         New tests have one cell; a load, a wheel, a wrap or a rope that was not there before has an error of its own,
         as large as those of the others.
         """
-        found = {self.chain: self.scatter.instrument_N * np.exp(-log_lift)}
+        found = dict[str, FloatArray]()
         for kind, by in dict.fromkeys((item.kind, item.by) for item in self.common if item.kind):
             stds = {item.name: item.std for item in self.common if item.kind == kind}
             usual = float(np.median([*stds.values()]))
             slope = error_slopes(kind, self.law, self.theta, at)
             if kind == "cell":
-                own = stds.get(self.chain, usual) * np.ones(len(at))
-                found[self.chain] = np.hypot(found[self.chain], own)
+                found[self.chain] = stds.get(self.chain, usual) * np.ones(len(at))
                 continue
             level = at_level(kind, by, at)
             for value in np.unique(level).tolist():
                 size = stds.get(name := error_name(kind, by, value), usual)
-                found[name] = found.get(name, 0.0) + np.where(level == value, size * slope, 0.0)
+                found[name] = found.get(name, np.zeros(len(at))) + np.where(level == value, size * slope, 0.0)
         return {name: effect for name, effect in found.items() if effect.any()}
 
 
-def planned_guess(
-    law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
-) -> PlannedLaw:
+def planned_guess(law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter) -> PlannedLaw:
     """Return a law at guessed parameters, nothing of them known yet."""
-    check_settings(FitSettings(fixed=dict.fromkeys(fixed, 0.0)), law)
-    free = np.array([not item.fixed and item.name not in fixed for item in law.parameters])
+    free = np.array([not item.fixed for item in law.parameters])
     return PlannedLaw(law=law, theta=law.theta_from(guess), free=free, scatter=scatter)
 
 
-def planned_fit(
-    fit: FitResult,
-    *,
-    within: float | None = None,
-    between: float | None = None,
-    instrument_N: float | None = None,
-) -> PlannedLaw:
+def planned_fit(fit: FitResult, *, within: float | None = None, between: float | None = None) -> PlannedLaw:
     """Return a fitted law with the conditions it was fitted to, which the new tests add to."""
-    scatter, notes = _scatter_of(fit, within, between, instrument_N)
+    scatter, notes = _scatter_of(fit, within, between)
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
     columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
@@ -216,9 +191,7 @@ def _levels_of(fit: FitResult, tested: Conditions, between: float) -> tuple[Leve
     return tuple(found)
 
 
-def _scatter_of(
-    fit: FitResult, within: float | None, between: float | None, instrument_N: float | None
-) -> tuple[MeanScatter, list[str]]:
+def _scatter_of(fit: FitResult, within: float | None, between: float | None) -> tuple[MeanScatter, list[str]]:
     """Return the scatter of means to plan with, by the fit where it is not given, and what was assumed."""
     within = fit.statistics.scatter_within if within is None else within
     between = fit.statistics.scatter_between if between is None else between
@@ -229,7 +202,7 @@ def _scatter_of(
     if not math.isfinite(between):
         between = 0.0
         notes.append("the fit does not know the scatter between conditions: none is assumed")
-    return MeanScatter(within=within, between=between, instrument_N=instrument_N or 0.0), notes
+    return MeanScatter(within=within, between=between), notes
 
 
 def _chain_of(fit: FitResult) -> str:
@@ -237,7 +210,7 @@ def _chain_of(fit: FitResult) -> str:
     size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
     cells = [item for item in fit.common_errors if item.name.startswith("calibration")]
     moves = {item.name: float(np.linalg.norm(item.change / size)) for item in cells}
-    return max(moves, key=moves.__getitem__, default=_CHAIN)
+    return max(moves, key=moves.__getitem__, default="")
 
 
 def allowed_conditions(
@@ -305,23 +278,14 @@ class LabPlan(Shown):
         The t predictions wanted.
     wanted_log_lift : ndarray, shape (t,)
         Their ln F_A by the parameters the plan was made for.
-    criterion : {"v", "d"}
-        What was made small.
     level : float
         Level of the intervals.
     parameter_std : ndarray, shape (q,)
         Standard errors of the free parameters expected with the plan.
     before, after : Outlook
         Without and with the plan.
-    one_factor, one_factor_at_target : Outlook
-        With a plan of the same size that varies one factor at a time about the middle of the rig's settings, or about
-        the first wanted condition, in its stead.
     largest_force_N : float
         Of the cell [N].
-    n_candidates : int
-        Conditions to choose from.
-    starts, agreeing_starts, seed : int
-        Starts of the search, how many ended at this plan's value, and their seed.
     notes : tuple of str
         What to know about it.
     """
@@ -335,37 +299,21 @@ class LabPlan(Shown):
     log_lift: FloatArray
     wanted: Conditions
     wanted_log_lift: FloatArray
-    criterion: Criterion
     level: float
     parameter_std: FloatArray
     before: Outlook
     after: Outlook
-    one_factor: Outlook
-    one_factor_at_target: Outlook
     largest_force_N: float
-    n_candidates: int
-    starts: int
-    agreeing_starts: int
-    seed: int
     notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.conditions)
 
     @property
-    def gain(self) -> float:
-        """Return how much wider the intervals of ln F_A are with the one-factor plan about the middle [-]."""
-        return _ratio(self.one_factor, self.after)
-
-    @property
-    def gain_at_target(self) -> float:
-        """Return the same against the one-factor plan about the wanted condition [-]."""
-        return _ratio(self.one_factor_at_target, self.after)
-
-    @property
     def improvement(self) -> float:
-        """Return how much wider they are without the plan [-]; infinite where nothing is known yet."""
-        return _ratio(self.before, self.after)
+        """Return how much wider the intervals of ln F_A are without the plan [-]; infinite where nothing is known."""
+        wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (self.before, self.after))
+        return math.nan if math.isinf(narrow) else wide / narrow
 
     def expected_parameter_std(self) -> dict[str, float]:
         """Return the expected standard error of each parameter that is to be determined."""
@@ -398,12 +346,13 @@ class LabPlan(Shown):
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.test-plan/1`; infinite values are None."""
         law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
-        outlooks = ("before", "after", "one_factor", "one_factor_at_target")
-        plain: tuple[str, ...] = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
-        plain += ("gain", "gain_at_target", "improvement", "notes")
-        tree: dict[str, Any] = {name: getattr(self, name).to_dict(lift_N) for name in outlooks}
-        tree |= {name: getattr(self, name) for name in plain} | {
+        tree: dict[str, Any] = {
             "schema": SCHEMA,
+            "before": self.before.to_dict(lift_N),
+            "after": self.after.to_dict(lift_N),
+            "level": self.level,
+            "improvement": self.improvement,
+            "notes": self.notes,
             "law": law.name,
             "parameters": law.as_mapping(self.planned.theta),
             "expected_std": self.expected_parameter_std(),
@@ -416,12 +365,6 @@ class LabPlan(Shown):
         return dict(rounded_tree(tree, None))
 
 
-def _ratio(other: Outlook, own: Outlook) -> float:
-    """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
-    wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (other, own))
-    return math.nan if math.isinf(narrow) else wide / narrow
-
-
 def plan_tests(
     planned: PlannedLaw,
     limits: RigLimits,
@@ -429,10 +372,8 @@ def plan_tests(
     *,
     n_conditions: int = 12,
     repeats: int = 12,
-    criterion: Criterion = "v",
     level: float = 0.95,
     starts: int = 10,
-    seed: int = 0,
 ) -> LabPlan:
     """Return the conditions to test next.
 
@@ -440,9 +381,9 @@ def plan_tests(
     repeats, nor by any number of tests the errors e that they share, and the search knows both as the fit does. A law
     that bends makes the plan depend on the parameters it is made for; it is the best for those given.
     """
-    if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
-        text = f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}"
-        fix = "plan one or more of each, by 'v' or 'd', at a level such as 0.95"
+    if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0:
+        text = f"{n_conditions} conditions of {repeats} repeats at level {level:g}"
+        fix = "plan one or more of each, at a level such as 0.95"
         raise InputError(text, key="n_conditions", fix=fix)
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
         if asked > MOST:
@@ -461,26 +402,11 @@ def plan_tests(
     candidates, along = planned.evidence(grid.select(places), repeats), planned.gradients(wanted)
     least = planned.n_free + 1 - len(known.rows)
     _check_determined(planned, np.vstack([candidates.rows, known.rows]), least, n_conditions)
-    exchange = Exchange(candidates, known, along, criterion=criterion)
-    chosen, agreeing = best_plan(exchange, n_conditions, starts=starts, seed=seed)
+    chosen = best_plan(Exchange(candidates, known, along), n_conditions, starts=starts)
     plan = grid.select(places[chosen])
     both = known.joined(planned.evidence(plan, repeats))
 
-    def outlook(at: Conditions) -> Outlook:
-        return _outlook(planned, known.joined(planned.evidence(at, repeats)), along, level)
-
-    # The usual plans: about the middle of the settings, and about the first wanted condition.
-    spots = (
-        np.interp(getattr(wanted, name)[0], getattr(limits, name), range(size))
-        for name, size in zip(FACTORS, limits.shape, strict=True)
-    )
-    possible = free.reshape(limits.shape)
-    about_middle, about_target = (
-        outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
-        for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
-    )
-    remarks = [*_determined(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
-    remarks += _of_shared(planned, both, along)
+    remarks = [*_on_trust(planned, limits, wanted, plan), *_of_shared(planned, both, along)]
     return LabPlan(
         planned=planned,
         conditions=plan,
@@ -488,18 +414,11 @@ def plan_tests(
         log_lift=law.log_lift(theta, plan),
         wanted=wanted,
         wanted_log_lift=law.log_lift(theta, wanted),
-        criterion=criterion,
         level=level,
         parameter_std=both.errors(np.eye(planned.n_free))[0],
-        before=outlook(_UNTESTED),
-        after=outlook(plan),
-        one_factor=about_middle,
-        one_factor_at_target=about_target,
+        before=_outlook(planned, known, along, level),
+        after=_outlook(planned, both, along, level),
         largest_force_N=limits.largest_force_N,
-        n_candidates=places.size,
-        starts=starts,
-        agreeing_starts=agreeing,
-        seed=seed,
         notes=(*planned.notes, *notes, *remarks),
     )
 
@@ -547,32 +466,19 @@ def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[
     return [f"{text}: {remedy} would not narrow the interval much"]
 
 
-def _determined(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
-    """Return what the conditions tested so far can determine of the law and its parameters, and what with the plan."""
-    tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
-    both = tested.joined(plan)
-    often, words, scale = np.append(before, np.full(len(plan), repeats)), [], []
-    for name, at in (("what was tested", tested), ("with this plan", both)):
-        if len(at):
-            outlook = law_outlook(planned.law, at, planned.scatter.variance(often[: len(at)]), planned.theta)
-            words.append(f"{name}: {outlook.text}")
-            scale = [SCALE] if outlook.power else []
-    return words + scale
-
-
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:
     """Refuse to plan n conditions, of those that can be had, where they cannot determine the parameters."""
     law = planned.law
     if n < least:
         text = f"{n} conditions cannot determine the {planned.n_free} parameters of {law.name} with an error"
-        fix = f"plan {least} conditions or more, or hold a parameter"
+        fix = f"plan {least} conditions or more, or for a simpler law"
         raise InputError(text, code="RF410", key="n_conditions", fix=fix)
     names = [name for name, gone in zip(planned.free_names, decomposed(rows).unseen, strict=True) if gone]
     if names:
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}
         shown_by = ", ".join(words for effect, words in varied.items() if effect in law.effects) or "wraps"
         text = f"every plan within these settings is singular: none can determine {', '.join(names)} of {law.name}"
-        fix = f"give more {shown_by}, hold a parameter, or plan for a simpler law"
+        fix = f"give more {shown_by}, or plan for a simpler law"
         raise InputError(text, code="RF410", key="limits", fix=fix)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import fdtri, ncfdtr
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.problem import FitProblem, batched_fit
@@ -59,16 +59,15 @@ _BEYOND_DOUBT = 1e3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeanScatter:
-    """How the mean of a condition's repeats scatters, and the error that the measuring chain brings to all forces."""
+    """How the mean of a condition's repeats scatters."""
 
     within: float
     between: float = 0.0
-    instrument_N: float = 0.0
 
     def __post_init__(self) -> None:
-        within, between, instrument_N = numbers = (self.within, self.between, self.instrument_N)
-        if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not within + between > 0.0:
-            text = f"scatter within {within:g}, between {between:g}, instrument {instrument_N:g} N"
+        within, between = both = (self.within, self.between)
+        if not all(math.isfinite(x) and x >= 0.0 for x in both) or not within + between > 0.0:
+            text = f"scatter within {within:g}, between {between:g}"
             fix = "give standard deviations of ln F from 0, within or between above it: 0.017 is 1.7 % between repeats"
             raise InputError(text, key="scatter", fix=fix)
 
@@ -121,44 +120,13 @@ def levels(low: float, high: float, n: int, *, step: float | None = None) -> tup
     """Return about n settings, ends included: whole multiples of a step, or two digits in even ratios without one."""
     if step is None and not low > 0.0:
         raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
-    if not (low < high and 2 <= n <= MOST):
-        fix = f"give low before high, two to {MOST} settings"
-        raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
+    if not low < high:
+        raise InputError(f"a range from {low:g} to {high:g}", key="range", fix="give low before high")
     if step is None:
         inner = [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()]
     else:
         inner = [round(x / step) * step for x in np.linspace(low, high, n).tolist()]
     return tuple(sorted({low, high, *(x for x in inner[1:-1] if low <= x <= high)}))
-
-
-def nearest_to(allowed: BoolArray, place: tuple[float, ...] | None = None) -> tuple[int, ...]:
-    """Return the allowed combination nearest to a place counted in settings, or to the middle, the first of equals."""
-    last = np.array(allowed.shape) - 1.0
-    spots, about = np.argwhere(allowed), 0.5 * last if place is None else np.array(place)
-    gap = (((spots - about) / np.maximum(last, 1.0)) ** 2).sum(axis=1)
-    return tuple(int(i) for i in spots[int(np.argmin(np.round(gap, 12)))])
-
-
-def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntArray:
-    """Return the combinations of a one-factor-at-a-time plan: the centre, then each factor varied alone.
-
-    The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
-    settings of each, its ends first.
-    """
-    others = []
-    for axis, at in enumerate(centre):
-        spots = np.flatnonzero(np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)])
-        others.append(spots[spots != at])
-    shares = [0] * len(others)
-    for _ in range(min(n - 1, sum(spots.size for spots in others))):
-        still = [axis for axis, spots in enumerate(others) if shares[axis] < spots.size]
-        shares[min(still, key=shares.__getitem__)] += 1
-    found = [centre]
-    for axis, (spots, share) in enumerate(zip(others, shares, strict=True)):
-        # A single one is the strongest setting.
-        even = np.linspace(0, spots.size - 1, share).round().astype(int) if share > 1 else np.full(share, -1)
-        found += [(*centre[:axis], int(spot), *centre[axis + 1 :]) for spot in spots[even]]
-    return np.sort(np.ravel_multi_index(tuple(np.array(found).T), allowed.shape).astype(np.int64))
 
 
 class LawOutlook(NamedTuple):

@@ -180,24 +180,18 @@ def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, fl
 _MARKERS_A_LINE = 8
 
 
-def draw_design_chart(
-    chart: DesignChart, *, required_N: float | None = None, design: Prediction | None = None
-) -> FigureWithData:
+def draw_design_chart(chart: DesignChart, *, design: Prediction | None = None) -> FigureWithData:
     """Return the chart of a design: F_A over the wrap for each wheel, on a logarithmic force axis.
 
     Solid lines are the mean law; the band below reaches down to what a pull with a new rope exceeds with the chart's
     probability. Lines are pale where wheel or wrap were not tested, and wraps tested for no wheel are hatched. A star
-    marks the design with the interval of one pull, a triangle the smallest wrap whose band lies above the load.
+    marks the design with the interval of one pull.
     """
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
-    wraps_rad: list[float] = []
     with drawing(10.0, 5.0) as (figure, axes):
         for row, color in enumerate(style.shades(n_wheels)):
             _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
-        if required_N is not None:
-            wraps_rad = [_smallest_wrap(chart, row, required_N) for row in range(n_wheels)]
-            _draw_load(axes, wraps_rad, required_N)
         style.hatch_untested(
             axes, np.degrees(chart.wrap_angle_rad), np.asarray(chart.extrapolated.all(axis=0))
         )
@@ -222,44 +216,12 @@ def draw_design_chart(
         **{name: np.where(np.isfinite(found), found, np.nan) for name, found in forces_N.items()},
         "extrapolated": chart.extrapolated.ravel(),
     }
-    tables = [DataTable(columns)]
     low_deg, high_deg = np.degrees(chart.wrap_angle_rad[[0, -1]])
     alt = (
         f"Lift force over the wrap from {low_deg:.4g} to {high_deg:.4g} deg for {counted(n_wheels, 'wheel')} of radius "
         f"{', '.join(radii_mm).replace(' mm', '')} mm at an end tension of {chart.end_tension_N:.4g} N."
     )
-    if required_N is not None:
-        asked = {"required_N": [float(required_N)] * n_wheels, "safety": [1.0] * n_wheels}
-        needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
-        tables.append(DataTable(needed, "smallest_wrap"))
-        needs = (
-            f"needs {math.degrees(x):.4g} deg" if math.isfinite(x) else "does not reach it" for x in wraps_rad
-        )
-        found = map(" ".join, zip(radii_mm, needs, strict=True))
-        alt += f" For {required_N:.4g} N, lifted with probability {chart.probability:g}: {'; '.join(found)}."
-    return FigureWithData(figure, tuple(tables), alt)
-
-
-def _smallest_wrap(chart: DesignChart, row: int, needed_N: float) -> float:
-    """Return the first wrap whose lower bound reaches a force [rad], straight in ln F between the chart's columns."""
-    bound_N, wrap_rad = chart.lower_bound_N[row], chart.wrap_angle_rad
-    with np.errstate(invalid="ignore"):
-        (reached,) = np.nonzero(bound_N >= needed_N)
-    if not reached.size:
-        return math.nan
-    i = int(reached[0])
-    ends = slice(max(i - 1, 0), i + 1)
-    if not np.isfinite(bound_N[ends]).all():
-        return float(wrap_rad[i])
-    return float(np.interp(math.log(needed_N), np.log(bound_N[ends]), wrap_rad[ends]))
-
-
-def _draw_load(axes: Axes, wraps_rad: list[float], needed_N: float) -> None:
-    wraps_deg = np.degrees([wrap for wrap in wraps_rad if math.isfinite(wrap)])
-    axes.plot(wraps_deg, np.full(wraps_deg.size, needed_N), "v", color=style.INK, markersize=8, zorder=6)
-    for place, wrap_deg in enumerate(sorted(wraps_deg.tolist())):
-        style.note_at(axes, f"{wrap_deg:.0f}°", (wrap_deg, needed_N), up=7.0 + 10.0 * (place % 3), zorder=6)
-    axes.axhline(needed_N, label=f"required: {needed_N:.4g} N", color=style.ORANGE, linewidth=1.5)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def _draw_wheel(axes: Axes, chart: DesignChart, row: int, color: object, label: str) -> None:

@@ -16,7 +16,7 @@ from ropefric.fitting.compare import Comparison
 from ropefric.fitting.design import Design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan
-from ropefric.fitting.predict import REGRESSORS, FrictionTable, Prediction
+from ropefric.fitting.predict import REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
@@ -231,15 +231,6 @@ def _(prediction: Prediction, axes: Axes) -> None:
         style.plain_log(axes, "y")
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
     axes.set_title(f"Law {prediction.law}")
-
-
-@paint.register
-def _(table: FrictionTable, axes: Axes) -> None:
-    end_N = float(np.median(table.end_tension_N))
-    _draw_wheels(axes, table, table.mu_average, table.end_tension_N == end_N)
-    label = f"constant, {100 * table.constant_error:.3g} % off at most"
-    axes.axhline(table.constant_mu, color=style.ORANGE, linestyle="--", label=label)
-    axes.set(ylabel=style.figure_label("mu_average"), title=f"Law {table.law} at F_B = {end_N:.4g} N")
 
 
 @paint.register

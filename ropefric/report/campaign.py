@@ -365,7 +365,7 @@ def _conditions_section(
     )
     note = (
         f"Mean {measured} and standard deviation s are of the trials kept. u_c is the standard uncertainty of the "
-        "mean: repeats and measuring chain. trials.csv lists every trial."
+        "mean: repeats and measuring chain; a single trial has none. trials.csv lists every trial."
     )
     return Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 LEAST_SHARE = 0.001
 """Of the variance: in a report, sources below are named and have no line."""
-_GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
 
 def plus_minus(value: float, std: float) -> str:
@@ -213,11 +212,10 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
     stds = plan.expected_parameter_std().items()
     expected_values = ", ".join(f"{name} = {plus_minus(values[name], std)}" for name, std in stds)
     lines = (
-        f"{law.name}; scatter {scattered}, measuring chain {plain(scatter.instrument_N, '.2g')} N",
+        f"{law.name}; scatter {scattered}",
         f"expected: {expected_values}",
-        f"chosen from {plan.n_candidates} conditions; {plan.agreeing_starts} of {plan.starts} optimiser starts agree",
     )
-    title = f"{conditions} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
+    title = f"{conditions} to test, {pulls}, the best for the wanted prediction"
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
     what = Section(title, lines, headings, rows, notes=plan.notes)
     return what, *(_worth_section(plan, i) for i in range(len(plan.wanted)))
@@ -226,20 +224,13 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
 def _worth_section(plan: LabPlan, i: int) -> Section:
     lift_N = float(np.exp(plan.wanted_log_lift[i]))
     rows = []
-    for name, outlook in (
-        ("before", plan.before),
-        ("with this plan", plan.after),
-        ("one factor at a time about the middle", plan.one_factor),
-        ("one factor at a time about the wanted condition", plan.one_factor_at_target),
-    ):
+    for name, outlook in (("before", plan.before), ("with this plan", plan.after)):
         half, std_N = float(outlook.half_width_log[i]), lift_N * float(outlook.std_log[i])
         both = (lift_N * math.exp(side * half) for side in (-1.0, 1.0))
         span = ends(both, std_N) if half < 50.0 else "not determined"
         rows.append((name, plain(std_N, ".2g"), span, str(outlook.dof)))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
-    middle, at_target = (f"{100.0 * (1.0 - 1.0 / one):.0f} %" for one in (plan.gain, plan.gain_at_target))
     notes = (
-        f"intervals {middle} narrower than one factor at a time about the middle, {at_target} about the design",
         "These numbers hold for the parameters and the scatter known today. Plan again after the first tests.",
     )
     title = f"Effect of the plan on F_A = {plain(lift_N)} N"
@@ -280,21 +271,6 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
     return (Section(title, lines, _BUDGET, rows, 2, notes), reduce)[: 2 if smaller else 1]
 
 
-def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
-    """Return many statements as one table: number, condition in words, answer, U, and the largest part."""
-    rows = []
-    for number, words, item in stated:
-        found, largest = item.budget, item.budget.lines[0]
-        forms = {"estimate": ".5g", "combined": ".2g", "effective_dof": ".3g", "expanded": ".2g"}
-        cells = [plain(getattr(found, key), form) for key, form in forms.items()]
-        cells.append(f"{100 * found.expanded / abs(found.estimate):.2g} %")
-        part = f"{largest.label} ({100 * largest.share:.0f} %)"
-        rows.append((str(number), words, *cells, part, str(item.status)))
-    numbers = ("estimate", "u_c", "ν_eff", "U", "U/estimate")
-    headings = ("no.", "condition ", *numbers, "largest part ", "status ")
-    return Section(title, headings=headings, rows=rows, left=2)
-
-
 def _budget_row(line: BudgetLine) -> tuple[str, ...]:
     of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.source.dof, ".3g")
     if not isinstance(item := line.source, Quantity):
@@ -311,15 +287,12 @@ def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
     drawn, found = stated.drawn, stated.budget
     yield f"{stated.status}: {stated.status.advice}"
     gap, word = max(drawn.gaps), "agree" if drawn.agrees else "do not agree"
-    both = drawn.symmetric_interval, drawn.shortest_interval
-    symmetric, shortest = (ends(x, found.combined) for x in both)
+    of_draws = ends(drawn.symmetric_interval, found.combined)
     yield (
         f"{drawn.draws} draws (seed {drawn.seed}) {word} with y ± U = {ends(found.interval, found.combined)}{unit}: "
-        f"symmetric {symmetric}{unit}, shortest {shortest}{unit}. The ends differ by up to "
+        f"{of_draws}{unit}. The ends differ by up to "
         f"{float(f'{100 * gap / found.expanded:.2g}'):g} % of U; {100 * DISAGREEMENT:g} % are allowed."
     )
-    digits = ("is not passed", "holds to one digit", "holds to two digits")[min(drawn.validated_digits, 2)]
-    yield f"The test of JCGM 101 §8.1 {digits}."
     if drawn.unanswered:
         yield f"{drawn.unanswered} draws have no answer."
 

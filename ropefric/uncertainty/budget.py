@@ -144,15 +144,10 @@ def limit_of_error(
     return Quantity(name, symbol, unit, half_width, estimate=estimate, assumed=assumed, **flat)
 
 
-def repeats(
-    name: str, symbol: str, unit: str, *, mean: float, std: float, n: int, dof: float | None = None
-) -> Quantity:
-    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom.
-
-    With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
-    """
+def repeats(name: str, symbol: str, unit: str, *, mean: float, std: float, n: int) -> Quantity:
+    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom."""
     known: dict[str, Any] = {"divisor": math.sqrt(n), "type": "A", "repeats": n}
-    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0 if dof is None else dof, **known)
+    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0, **known)
 
 
 # ---- the statement ----
@@ -170,7 +165,6 @@ _END_NOISE = 2.7 / 1.96
 DISAGREEMENT = 0.1
 """Part of U by which an end of y ± U may differ from that of the draws [-]."""
 _UNANSWERED = 0.01
-_ONE_SIGMA = 0.8413447460685429
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,8 +209,6 @@ class BudgetLine(NamedTuple):
     sensitivity: float
     contribution: float
     share: float
-    correlated: tuple[dict[str, Any], ...] = ()
-    """For a block its independent directions: `changes` of its quantities together, and their `contribution`."""
 
     @property
     def name(self) -> str:
@@ -237,7 +229,6 @@ class BudgetLine(NamedTuple):
             "contribution": self.contribution,
             "share": self.share,
             "dof": item.dof if math.isfinite(item.dof) else None,
-            "correlated": list(self.correlated),
             "standard_uncertainty": getattr(item, "std", None),
             "sensitivity": self.sensitivity if math.isfinite(self.sensitivity) else None,
         }
@@ -286,23 +277,19 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
     check_level(level)
-    k, block, parts = len(model.quantities), model.block, []
+    k, block = len(model.quantities), model.block
     sources: list[Quantity | Block] = [*model.quantities]
     slopes = model.sensitivities[:k].tolist()
     sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
     if block is not None:
-        columns = directions(block.covariance)
-        moved = (model.sensitivities[k:] @ columns).tolist()
-        for i in np.argsort(-np.abs(moved), kind="stable"):
-            changes = dict(zip(block.symbols, columns[:, i].tolist(), strict=True))
-            parts.append({"changes": changes, "contribution": moved[i]})
+        moved = model.sensitivities[k:] @ directions(block.covariance)
         sources, slopes, sizes = [*sources, block], [*slopes, math.nan], [*sizes, math.hypot(*moved)]
     combined = math.hypot(*sizes)
     if combined == 0.0:
         text = f"nothing that goes into {model.name} is uncertain"
         raise InputError(text, key=model.name, fix="give an uncertainty")
     lines = [
-        BudgetLine(source, slope, size, (size / combined) ** 2, tuple(parts) if source is block else ())
+        BudgetLine(source, slope, size, (size / combined) ** 2)
         for source, slope, size in zip(sources, slopes, sizes, strict=True)
     ]
     dof = effective_dof(sizes, [source.dof for source in sources])
@@ -322,28 +309,9 @@ class DrawnAnswer(NamedTuple):
     draws: int
     seed: int
     unanswered: int
-    median: float
-    half_68: float
     symmetric_interval: tuple[float, float]
-    shortest_interval: tuple[float, float]
     gaps: tuple[float, float]
-    validated_digits: int
     agrees: bool
-
-
-def numerical_tolerance(std: float, digits: int) -> float:
-    """Return δ = ½·10^l for u = c·10^l with c a whole number of `digits` digits, section 7.9.2 of JCGM 101."""
-    # Rounding may carry into the next decade (0.996 -> 1.0), so the exponent is read off the rounded number.
-    exponent = int(f"{std:.{digits - 1}e}".partition("e")[2]) - (digits - 1)
-    return 0.5 * 10.0**exponent
-
-
-def shortest_interval(values: FloatArray, level: float) -> tuple[float, float]:
-    """Return the shortest interval that holds a share `level` of sorted values, section 7.7.4 of JCGM 101."""
-    span = min(max(math.floor(level * values.size + 0.5), 1), values.size)
-    widths = values[span - 1 :] - values[: values.size - span + 1]
-    first = int(np.argmin(widths))
-    return float(values[first]), float(values[first + span - 1])
 
 
 def propagate(
@@ -354,27 +322,22 @@ def propagate(
         fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)
     values = model.draw(np.random.default_rng(seed), draws)
-    values = np.sort(values[np.isfinite(values)])
+    values = values[np.isfinite(values)]
     unanswered = draws - values.size
     if 2 * unanswered > draws:
         text = f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs"
         fix = "the inputs are too uncertain for any budget; measure them better"
         raise InputError(text, code="RF420", key="draws", fix=fix)
     tail = 0.5 * (1.0 - budget.level)
-    at = [tail, 1.0 - tail, 1.0 - _ONE_SIGMA, 0.5, _ONE_SIGMA]
-    low, high, below, median, above = (float(end) for end in np.quantile(values, at))
+    low, high = (float(end) for end in np.quantile(values, [tail, 1.0 - tail]))
     gaps = abs(low - budget.interval[0]), abs(high - budget.interval[1])
     room = (DISAGREEMENT + 3.0 * _END_NOISE / math.sqrt(draws)) * budget.expanded
     return DrawnAnswer(
         draws=draws,
         seed=seed,
         unanswered=unanswered,
-        median=median,
-        half_68=0.5 * (above - below),
         symmetric_interval=(low, high),
-        shortest_interval=shortest_interval(values, budget.level),
         gaps=gaps,
-        validated_digits=next((d for d in (2, 1) if max(gaps) <= numerical_tolerance(budget.combined, d)), 0),
         agrees=max(gaps) <= room and unanswered <= _UNANSWERED * draws,
     )
 
@@ -386,10 +349,6 @@ class BudgetStatus(AdvisedStatus):
     DRAWS_DISAGREE = (
         "draws-disagree: The draws disagree with the budget: the answer is not linear within the uncertainty of "
         "the inputs, or an input with a rectangular distribution dominates. Use the interval of the draws, not y ± U."
-    )
-    NO_REPEATS = (
-        "no-repeats: There is one trial and its scatter is unknown, which is usually the largest part: the budget "
-        "leaves it out. Repeat the condition."
     )
     FIT_NOT_TRUSTED = "fit-not-trusted: The fit cannot be trusted, nor can its contribution to the budget."
 

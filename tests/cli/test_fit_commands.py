@@ -210,6 +210,8 @@ def test_a_diagnosis_names_effects_evidence_and_experiments(call):
     assert (done.code, done.err) == (0, "")
     for words in ("size effect: supported", "wrap effect: supported", "offset: not supported", "to decide:"):
         assert words in done.out
+    # No condition has two wheels, and the means of its pulls leave rounding within conditions.
+    assert "wheel: undetermined" in done.out
 
 
 # --- predict -------------------------------------------------------------------------------------------------------

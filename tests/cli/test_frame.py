@@ -176,7 +176,7 @@ def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
     orders = [command.order for command in commands.values()]
     assert len(set(orders)) == len(orders)
     assert list(commands) == [*("app", "init", "inspect", "check", "simulate", "extract", "run", "review", "report"),
-        *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests", "export"),
+        *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests"),
         *("solve", "explain", "cost", "verify", "check-plugin")]  # fmt: skip
 
 

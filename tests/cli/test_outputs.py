@@ -14,10 +14,8 @@ FIT = Path(__file__).parents[2] / "fits" / "prth-coupled.json"
 TRIALS = Path(__file__).parents[2] / "fits" / "prth-trials.csv"
 PLAN = (*("plan-tests", "--fit", FIT, "--wheels", "15 mm, 30 mm", "--wraps", "90deg, 360deg, 720deg"),
     *("--end-tensions", "5N, 50N, 200N", "--max-force", "800 N", "--wheel-radius", "100 mm"),
-    *("--wrap", "720 deg", "--end-tension", "80 N", "--conditions", "7", "--starts", "2"))  # fmt: skip
+    *("--wrap", "720 deg", "--end-tension", "80 N", "--conditions", "7"))  # fmt: skip
 SWEEP = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out")
-CHART = (*("design", "--fit", FIT, "--lift", "900 N", "--wheel-radius", "35 mm", "--end-tension", "60 N"),
-    "--chart")  # fmt: skip
 
 
 @pytest.fixture
@@ -98,8 +96,8 @@ def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path)
 
 def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path):
     for words, name in ((("solve", SCENES / "hoist.toml", "--out"), "answer.json"),
-            (SWEEP, "sweep_figure.csv"), (("cost", "integral", "--quick", "--out"), "cost.html"),
-            (CHART, "design_chart.png")):  # fmt: skip
+            (SWEEP, "sweep_figure.csv"),
+            (("cost", "integral", "--quick", "--out"), "cost.html")):  # fmt: skip
         folder = tmp_path / name
         folder.mkdir()
         for mine in (name, "other.txt"):
@@ -146,7 +144,7 @@ def test_a_fit_is_replaced_by_a_fit_and_nothing_else_is(call, tmp_path):
 
 def test_a_file_that_exists_is_not_written_over(call, bench, tmp_path):
     recording = min((bench / "traces").iterdir())
-    for words in ((*PLAN, "--out"), ("export", FIT, "--out"), ("inspect", recording, "--write-profile")):
+    for words in ((*PLAN, "--out"), ("inspect", recording, "--write-profile")):
         path = tmp_path / f"{words[0]}.txt"
         assert call(*words, path, "-q").code == 0
         made = path.read_text(encoding="utf-8")

@@ -75,16 +75,6 @@ def test_more_pulls_with_the_same_ropes_hardly_narrow_the_plan():
     assert many.shared_log > 0.8 * many.std_log
 
 
-def test_outside_what_was_tested_a_running_rope_has_the_rivals_of_a_running_rope():
-    """They were taken at rest."""
-    table = roped(law="wrap-power", theta=(0.25, -0.4, 0.1))
-    fit, rival = (fit_law(table, law) for law in ("wrap-power", "constant"))
-    far, running = one_condition(0.035, 0.0049, 20.0, 60.0), {"linear_density_kg_m": 0.1, "speed_m_s": 20.0}
-    both = predict(replace(fit, rivals=(rival,)), far, **running).interval_N[0]
-    own, other = (predict(one, far, **running).interval_N[0] for one in (fit, rival))
-    assert both == pytest.approx([min(own[0], other[0]), max(own[1], other[1])], rel=1e-12)
-
-
 def test_a_rival_without_an_answer_at_one_wheel_widens_the_others():
     """It was left out for all of them."""
     at = conditions()

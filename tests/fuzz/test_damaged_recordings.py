@@ -342,7 +342,7 @@ def test_hostile_words_for_options():
         unit = rng.choice(["m", "N", "rad", ""])
         for read, *given in ((parse_quantity, said, unit), (parse_any_quantity, said),
                 (unit_factor, said, unit), (split_unit_suffix, said),
-                (read_levels, f"{said} .. {said}", unit, "--x", 5), (read_levels, said, unit, "--x", 5),
+                (read_levels, f"{said} .. {said}", unit, "--x"), (read_levels, said, unit, "--x"),
                 (parse_axis, scene, f"wheel.wrap={said}"),
                 (parse_axis, scene, f"wheel.wrap=1deg:{said}:{said}"),
                 (lambda one: parse_assignments([one, f"a={one}"], option="--x"), said)):  # fmt: skip

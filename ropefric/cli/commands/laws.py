@@ -1,6 +1,6 @@
 """The commands of friction laws: fitted and compared; stored fits shown, made again, and asked of wheels.
 
-A wheel's lift force, its uncertainty, the smallest wheel, the next tests, a table for a simulator.
+A wheel's lift force, its uncertainty, the smallest wheel, the next tests.
 """
 
 import math
@@ -13,11 +13,10 @@ from typer import Argument, BadParameter, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
-from ropefric.errors import InputError
 from ropefric.files.disk import write_file
 
 with on_first_use():
-    from ropefric import pipeline, section
+    from ropefric import section
     from ropefric.fitting import budgets, next_tests, resolution, store
     from ropefric.fitting import compare as comparing
     from ropefric.fitting import design as designs
@@ -28,10 +27,6 @@ with on_first_use():
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws as friction_laws
     from ropefric.report import parts
-    from ropefric.scenes import sweep
-    from ropefric.trials import campaign as campaigns
-    from ropefric.trials import extract as extracting
-    from ropefric.uncertainty import budget as statements
 
 
 _OF = Option(
@@ -219,37 +214,18 @@ def design(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
     on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
-    chart: Path | None = options.out_folder(
-        "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
-    ),
-    force: options.Force = False,
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
     Exits with 4 when there is none, or the law is not supported by its fit.
     """
     stored = options.read_fit(fit, out)
-    names = options.figure_names("design_chart")
-    # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
-        asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
-        asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
-        found = designs.design(stored, **asked, probability=None if on_average else probability)
-        reached = bool(found.reached[0])
-        files: tuple[Path, ...] = ()
-        if target is not None and reached:
-            from ropefric.plotting import design as charts  # noqa: PLC0415  (its package loads matplotlib)
-            from ropefric.plotting import figure  # noqa: PLC0415
-
-            # At the design's end tension.
-            at = conditions.one_condition(*(float(getattr(found, name)[0]) for name in conditions.SETTINGS))
-            chart_of_it = pipeline.chart_of_design(stored, at, probability)
-            drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
-            files = figure.save_figure(drawn, target, "design_chart")
-            options.publish(out, target, "chart", files)
-    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)}
-    code = exit_code_of(reached and stored.verdict.supported)
+    asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
+    asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+    asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
+    found = designs.design(stored, **asked, probability=None if on_average else probability)
+    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value}
+    code = exit_code_of(bool(found.reached[0]) and stored.verdict.supported)
     return Answer(found.to_dict() | about, [_section(found)], code)
 
 
@@ -292,79 +268,75 @@ def plan_tests(
     fit: Path | None = Option(None, metavar="FIT.json", help="The quantities that are known."),
     law: str = Option("", help="Without a fit: the law."),
     guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
-    hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
     rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
-    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
-    levels: int = Option(12, min=2, help="Settings a range is divided into."),
     level: options.Level = 0.95,
-    starts: int = Option(10, min=1, help="Starts of the search."),
-    seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
     force: bool = flag("--force", "Write over a file that is already there."),
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
-    Starts from a stored fit, or from a law with guessed parameters, and compares the plan with the same number of
-    tests that vary one factor at a time. The search includes the errors that tests share (a cell, a wheel, a weight),
-    and says where more conditions help more than repeats. Exits with 4 unless the fit supports its law.
+    Starts from a stored fit, or from a law with guessed parameters. The search includes the errors that tests share
+    (a cell, a wheel, a weight), and says where more conditions help more than repeats. Exits with 4 unless the fit
+    supports its law.
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
     options.refuse_file(file, fit, force=force)
     can: dict[str, Any] = {
-        "wheel_radius_m": read_levels(wheels, "m", "--wheels", levels),
-        "wrap_angle_rad": read_levels(wraps, "rad", "--wraps", levels),
-        "end_tension_N": read_levels(end_tensions, "N", "--end-tensions", levels),
+        "wheel_radius_m": read_levels(wheels, "m", "--wheels"),
+        "wrap_angle_rad": read_levels(wraps, "rad", "--wraps"),
+        "end_tension_N": read_levels(end_tensions, "N", "--end-tensions"),
     }
     exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}
-    scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
+    scatter = {"within": scatter_within, "between": scatter_between}
     if fit is not None:
         stored = options.read_fit(fit, out)
         rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
-        planned = _guessed(law, guess or (), hold or (), scatter)
+        planned = _guessed(law, guess or (), scatter)
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
     limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
     wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
-    # The library says what the criterion may be.
-    how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
-    found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
+    found = next_tests.plan_tests(
+        planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, level=level
+    )
     if file is not None:
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
     return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
 
 
-def _guessed(
-    law: str, guess: Sequence[str], hold: Sequence[str], scatter: dict[str, float | None]
-) -> "next_tests.PlannedLaw":
+def _guessed(law: str, guess: Sequence[str], scatter: dict[str, float | None]) -> "next_tests.PlannedLaw":
     """Return a law of which nothing is known but a guess, and how repeats of it will scatter."""
     if scatter["within"] is None:
         text = 'how far do repeats scatter? Write it like "1.7 %"'
         raise BadParameter(text, param_hint="--scatter-within")
     repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
     at = options.parse_assignments(guess, option="--guess")
-    return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold))
+    return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter)
 
 
-def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
-    """Return the settings of an option, in SI: a list of quantities, or a range divided into about n.
+# Settings that a range is divided into.
+_LEVELS = 12
+
+
+def read_levels(text: str, unit: str, option: str) -> tuple[float, ...]:
+    """Return the settings of an option, in SI: a list of quantities, or a range divided into about twelve.
 
     Wraps are divided evenly, in whole degrees; lengths and forces in even ratios.
 
     Examples
     --------
-    >>> read_levels("15 mm, 40 mm", "m", "--wheels", 12), read_levels("5 N .. 80 N", "N", "--end-tensions", 3)
-    ((0.015, 0.04), (5.0, 20.0, 80.0))
+    >>> read_levels("15 mm, 40 mm", "m", "--wheels"), len(read_levels("5 N .. 80 N", "N", "--end-tensions"))
+    ((0.015, 0.04), 12)
     """
     if ".." not in text:
         parts = [part.strip() for part in text.replace(";", ",").split(",")]
@@ -372,10 +344,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return resolution.levels(ends[0], ends[1], n)
+        return resolution.levels(ends[0], ends[1], _LEVELS)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
-    step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
+    step = next((s for s in (45.0, 15.0, 5.0) if (_LEVELS - 1) * s <= last - first), 1.0)
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, _LEVELS, step=step))
 
 
 @command(
@@ -385,160 +357,32 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
 )
 def budget(
     out: Output,
-    source: Path | None = Argument(
-        None, metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."
-    ),
     *,
-    fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
-    of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
-    condition: int | None = Option(None, min=1, help="Only this condition, in full."),
-    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
-    wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
-    end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
-    rope_diameter: Number = options.diameter("--rope-diameter", "Of another rope."),
+    fit: options.FitOption,
+    wheel_radius: float = quantity("--wheel-radius", "m", "R_w.", needed=True),
+    wrap: float = quantity("--wrap", "rad", "φ.", needed=True),
+    end_tension: float = quantity("--end-tension", "N", "F_B.", needed=True),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
     u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
     u_rope_diameter: Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
     u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
     u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
-    end_tension_measured: bool = flag(
-        "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
-    ),
-    gain: Number = quantity(
-        "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
-    ),
-    gravity: Number = quantity(
-        "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
-    ),
     one_pull: bool = flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
     level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
     draws: int = Option(200_000, help="Draws that check the budget."),
     seed: int = Option(0, min=0, help="Of the draws."),
 ) -> Answer:
-    """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
+    """State the uncertainty of a lift force after the GUM: a budget line by line, checked by draws.
 
-    Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
-    well. Exits with 4 if a statement cannot be trusted.
+    The wheel is known only so well as the options say. Exits with 4 if the statement cannot be trusted.
     """
-    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
-    if (source is None) == (fit is None):
-        raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
-    if fit is not None:
-        wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        stds = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
-        return _of_fit(out, fit, wheel, rope_diameter, stds, check=check | {"one_pull": one_pull})
-    if of not in {"force", "mu"}:
-        raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
-    found = _conditions(out, Path(str(source)), gravity)
-    if condition is not None:
-        found = (budgets.condition_numbered(found, condition),)
-    if end_tension_measured:
-        found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
-    check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
-    stated = [(item, budgets.state_condition(item, **check)) for item in found]
-    trees = [_tree_of(item, each) for item, each in stated]
-    good = all(each.trustworthy for _, each in stated)
-    return Answer({"source": str(source), "budgets": trees}, _budget_sections(stated), exit_code_of(good))
-
-
-def _budget_sections(
-    stated: "Sequence[tuple[budgets.MeasuredCondition, statements.Statement]]",
-) -> "Sequence[section.Section]":
-    """Return the budget of one condition in full, or a row for each of several."""
-    item, first = stated[0]
-    if len(stated) == 1:
-        return parts.uncertainty_sections(first, f"Uncertainty budget, {item.describe()}")
-    rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
-    title = f"Uncertainty of {first.model.symbol}; --condition N shows one in full"
-    return (parts.budgets_section(rows, title),)
-
-
-def _tree_of(item: "budgets.MeasuredCondition", stated: "statements.Statement") -> dict[str, Any]:
-    settings = {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
-    forces = {"lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
-    return stated.to_dict() | {"condition": item.number} | forces | settings
-
-
-def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
-    """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
-    limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
-    file = options.campaign_file(path, or_table=True)
-    if file.suffix != ".toml":
-        return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
-    campaign = campaigns.load_campaign(file, missing_recordings="flag")
-    with Progress(out, "extract") as progress:
-        extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    tolerance = campaign.weights_tolerance
-    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
-    if not found:
-        fix = "`ropefric extract` says why for each"
-        raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
-    return found
-
-
-def _of_fit(
-    out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
-    stds: Sequence[float | None], *, check: dict[str, Any],
-) -> Answer:  # fmt: skip
-    names = ("--wheel-radius", "--wrap", "--end-tension")
-    missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
-    if missing:
-        text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
-        raise BadParameter(text, param_hint=missing[0])
-    known = {name: float(value or 0.0) for name, value in wheel.items()}
+    stored = options.read_fit(fit, out)
+    at = conditions.one_condition(wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension)
+    stds = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
     uncertainty = {name: std or 0.0 for name, std in zip(conditions.SETTINGS, stds, strict=True)}
-    stored = options.read_fit(path, out)
-    at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
-    stated = budgets.state_lift(stored, at, uncertainty, **check)
-    more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
-    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
-    shown = parts.uncertainty_sections(stated, title)
-    return Answer(stated.to_dict() | known | more, shown, exit_code_of(stated.trustworthy))
-
-
-@command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
-def export(
-    out: Output,
-    fit_file: Path = Argument(metavar="FIT.json", help="A stored fit."),
-    *,
-    wrap: str = Option("", metavar="ANGLES", help='φ, a list, or a range: "90 deg .. 1080 deg".'),
-    end_tension: str = Option("", metavar="FORCES", help='F_B: "20 N, 80 N".'),
-    wheel_radius: str = Option("", metavar="LENGTHS", help='R_w: "20 mm .. 60 mm".'),
-    levels: int = Option(12, min=2, help="Settings a range is divided into."),
-    rope_diameter: float | None = options.ROPE_DIAMETER,
-    file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
-    force: options.Force = False,
-) -> Answer:
-    """Export a fit to a simulator: a table μ(φ, F_B, R_w), and the constant that fits it best over that range.
-
-    By default the table covers the tested range. The constant has the smallest largest relative error of the lift force
-    over the table; that error is printed. Exits with 4 when the law is not supported by
-    its fit.
-    """
-    options.refuse_file(file, fit_file, force=force)
-    stored = options.read_fit(fit_file, out)
-    asked = {
-        "wrap_angle_rad": (wrap, "rad", "--wrap"),
-        "end_tension_N": (end_tension, "N", "--end-tension"),
-        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
-    }
-    given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
-    rope_m = options.rope_radius(stored, rope_diameter)
-    found = predicting.friction_table(stored, rope_radius_m=rope_m, **given)
-    columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
-    names = ("law", "constant_mu", "constant_error")
-    data = {name: getattr(found, name) for name in names} | {
-        "rows": found.mu_average.size,
-        "extrapolated": int(found.extrapolated.sum()),
-        "unanswered": int((found.mu_average != found.mu_average).sum()),
-        "files": [] if file is None else [str(file)],
-    }
-    if file is not None:
-        write_file(file, sweep.columns_text(columns))
-        out.note(f"wrote {file}")
-    percent = f"{100 * found.constant_error:.3g} %"
-    lines = (
-        f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
-        f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
+    stated = budgets.state_lift(
+        stored, at, uncertainty, one_pull=one_pull, level=level, draws=draws, seed=seed
     )
-    shown = [section.Section("A law for a simulator", lines)]
-    return Answer(data, shown, exit_code_of(stored.verdict))
+    data = stated.to_dict() | at.row(0) | {"fit": fit, "fit_status": stored.status.value}
+    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
+    return Answer(data, parts.uncertainty_sections(stated, title), exit_code_of(stated.trustworthy))

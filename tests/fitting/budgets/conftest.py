@@ -63,5 +63,5 @@ def pulls():
 
 @pytest.fixture(scope="session")
 def lines_of():
-    """The quantities of a side by name."""
-    return lambda side: SimpleNamespace(**{item.name.replace(" ", "_"): item for item in side.quantities})
+    """The quantities of a measurement model by name."""
+    return lambda model: SimpleNamespace(**{item.name.replace(" ", "_"): item for item in model.quantities})

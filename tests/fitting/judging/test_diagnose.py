@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -91,14 +90,6 @@ def test_few_conditions_cannot_tell(campaign):
     found = found_in(campaign("constant-offset", [0.15, 0.06], loads=(20.0,), repeats=3))
     assert found["offset"].numbers["p_value"] < 0.01
     assert found["offset"].supported == "cannot-tell"
-
-
-def test_trials_that_never_slipped(campaign):
-    good = campaign("constant", [0.2], repeats=2)
-    found = found_in(replace(good, status=("ok",) * 20 + ("no-breakaway",) * 10), ["constant"])
-    assert found["no gross slip"].supported == "yes"
-    assert "10 of 30 trials (33%)" in found["no gross slip"].evidence
-    assert found_in(good, ["constant"])["no gross slip"].supported == "no"
 
 
 def test_a_comparison_without_data_is_refused(campaign):
@@ -236,12 +227,6 @@ def test_groups_of_trials(campaign):
     assert found_in(wheels, ["constant"])["wheel"].supported == "cannot-tell"
 
 
-def test_a_group_that_goes_with_the_conditions_is_not_judged_by_rounding():
-    """Wheels of the bench: no condition has two, and the means of its pulls leave rounding within conditions."""
-    table = read_trial_table(Path(__file__).parents[3] / "fits" / "prth-trials.csv")
-    assert found_in(table, ["constant"])["wheel"].supported == "cannot-tell"
-
-
 def test_labels_are_read_from_a_table(tmp_path):
     path = tmp_path / "trials.csv"
     head = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,rope_id,operator,dwell_s\n"
@@ -274,9 +259,7 @@ def test_what_cannot_be_tested_is_not_said_to_describe_the_trials(conditions, re
 
 def test_scatter_between_conditions_is_no_reason_to_leave_the_law():
     found = found_in(small_table(GRID, 6, within=0.01, between=0.03))
-    assert found["condition scatter"].supported == "yes"
     assert "describes the trials; no cause to leave it is supported" in found.summary
-    assert "the data support: condition scatter" in found.summary
 
 
 def test_rounding_is_no_scatter_that_an_effect_could_be_judged_by():

@@ -151,7 +151,7 @@ def test_bad_arguments(constant_fit):
 
 def test_prediction_interval_covers_new_ropes(campaign):
     """95 % of single pulls at a new condition lie inside, between-condition scatter included."""
-    at, inside, n, rng = pulls([6.0]), 0, 60, np.random.default_rng(11)
+    at, inside, n, rng = pulls([6.0]), 0, 40, np.random.default_rng(11)
     for seed in range(n):
         table = campaign("constant", [0.2], between=0.02, repeats=3, seed=seed, loads=(5.0, 20.0))
         low, high = predict(fit_law(table, "constant"), at).prediction_interval_N[0]

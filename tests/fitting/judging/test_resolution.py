@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from ropefric.fitting.next_tests import plan_tests, planned_guess
-from ropefric.fitting.resolution import SCALE, LawOutlook, MeanScatter, RigLimits, law_outlook
-from ropefric.friction.condition import Conditions, one_condition
+from ropefric.fitting.resolution import SCALE, LawOutlook, law_outlook
+from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 
 
@@ -69,13 +68,3 @@ def test_the_power_is_that_of_simulated_campaigns():
     rss = [(end**2).sum(axis=1) for end in ends]
     F = (rss[0] - rss[1]) / (rss[1] / 3)
     assert power == pytest.approx(np.mean(stats.f.isf(0.05, 1, 3) < F), abs=0.025)
-
-
-def test_a_plan_says_what_it_can_tell():
-    scatter = MeanScatter(within=0.02, between=0.01)
-    law = planned_guess(LAWS["constant-offset"], {"mu": 0.2, "k": 0.1}, scatter)
-    limits = RigLimits(wheel_radius_m=(0.03,), wrap_angle_rad=(2.0, 4.0, 6.0, 8.0, 10.0),
-        end_tension_N=(20.0, 40.0), rope_radius_m=0.005, largest_force_N=1000.0)  # fmt: skip
-    plan = plan_tests(law, limits, one_condition(0.03, 0.005, 7.0, 20.0), n_conditions=6, repeats=5)
-    told = "with this plan: constant-offset: distinguishable from constant"
-    assert any(note.startswith(told) for note in plan.notes)

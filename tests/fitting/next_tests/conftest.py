@@ -11,7 +11,7 @@ from pulled import table_at
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import allowed_conditions, planned_guess
 from ropefric.fitting.predict import predict
-from ropefric.fitting.resolution import MeanScatter, RigLimits, levels, nearest_to, one_factor_plan
+from ropefric.fitting.resolution import FACTORS, MeanScatter, RigLimits, levels
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 
@@ -57,10 +57,18 @@ def wanted():
 def usual(bench):
     """The one-factor-at-a-time plan about the middle of the bench's settings."""
 
-    def make(planned, n=12):
-        allowed, _ = allowed_conditions(planned, bench, bench.conditions())
-        allowed = allowed.reshape(bench.shape)
-        return bench.conditions().select(one_factor_plan(allowed, nearest_to(allowed), n))
+    def make(planned):
+        """Eleven conditions that differ from the middle one in one factor, spread evenly, and that one."""
+        grid = bench.conditions()
+        allowed = allowed_conditions(planned, bench, grid)[0].reshape(bench.shape)
+        spots = np.argwhere(allowed)
+        last = np.array(bench.shape) - 1.0
+        centre = spots[np.argmin((((spots - last / 2) / last) ** 2).sum(axis=1).round(12))]
+        found = [centre]
+        for axis, share in zip(range(len(FACTORS)), (4, 4, 3), strict=True):
+            alone = spots[((spots != centre).sum(axis=1) == 1) & (spots[:, axis] != centre[axis])]
+            found += [*alone[np.linspace(0, len(alone) - 1, share).round().astype(int)]]
+        return grid.select(np.ravel_multi_index(tuple(np.array(found).T), bench.shape))
 
     return make
 

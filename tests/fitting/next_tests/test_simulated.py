@@ -1,6 +1,7 @@
 """Plans carried out: pulls simulated from the law with scatter, and on the virtual rig, fitted and predicted."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import allowed_conditions, plan_tests
 from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter
+from ropefric.fitting.result import CommonError
 
 # What a plan must be better by in the width of the interval of the wanted lift force.
 WORTHWHILE = 1.5
@@ -48,21 +50,25 @@ def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
 
 
 def test_a_plan_knows_which_error_all_its_tests_share(bench, guessed, wanted):
-    """A cell that reads 5 N too much: searched as if each test had its own 5 N, a plan errs several times as far."""
-    scatter = MeanScatter(within=0.017, between=0.01, instrument_N=5.0)
-    planned, target = guessed("wrap-power", scatter), wanted("strong")
+    """A cell whose gain is 3 % too large: searched as if each test had its own error, a plan is no better."""
+    scatter, error = (
+        MeanScatter(within=0.017, between=0.01),
+        CommonError("cell", "-", 0.03, (), "cell", "cell"),
+    )
+    planned = replace(guessed("wrap-power", scatter), chain="cell", common=(error,))
+    target = wanted("strong")
     grid = bench.conditions()
     places = np.flatnonzero(allowed_conditions(planned, bench, grid)[0])
     alone = planned.evidence(grid.select(places), 4)
     alone = alone._replace(own=np.ones(places.size), shares={})
-    search = Exchange(alone, planned.known, planned.gradients(target), criterion="v")
+    search = Exchange(alone, planned.known, planned.gradients(target))
     plan = plan_tests(planned, bench, target, repeats=4, starts=2)
     errors = []
-    for at in (plan.conditions, grid.select(places[best_plan(search, 12, starts=2)[0]])):
+    for at in (plan.conditions, grid.select(places[best_plan(search, 12, starts=2)])):
         pulls = at.select(np.repeat(np.arange(12), 4))
-        read_N = np.exp(planned.law.log_lift(planned.theta, pulls)) + 5.0
-        scattered = np.log(read_N) + np.tile([0.02, -0.02, 0.01, -0.01], 12)
-        fit = fit_law(table_at(pulls, scattered, cell_std_N=5.0), planned.law)
+        read = planned.law.log_lift(planned.theta, pulls) + 0.03
+        scattered = read + np.tile([0.02, -0.02, 0.01, -0.01], 12)
+        fit = fit_law(table_at(pulls, scattered, cell_std_N=0.03 * np.exp(scattered)), planned.law)
         off = predict(fit, target, method="linear").log_lift - planned.law.log_lift(planned.theta, target)
         errors.append(float(abs(off)[0]))
     # The fit knows of the error too, so that both do; the plan that knew of it is no worse.

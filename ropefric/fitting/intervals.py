@@ -17,7 +17,7 @@ from scipy.special import gammaincinv, ndtri
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import to_share
-from ropefric.fitting.problem import FitProblem, Rows, batched_fit, reduced
+from ropefric.fitting.problem import FitProblem, Rows, batched_fit
 from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
@@ -99,7 +99,9 @@ def profile_intervals(
     target = 2.0 * gammaincinv(0.5, level)  # the quantile of χ² of one; scipy.stats takes 0.4 s to import
     threshold = np.broadcast_to(np.asarray(scale) * target, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
-    threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
+    threshold = np.where(
+        threshold > _ROUNDING * float((problem.whitened(problem.log_lift) ** 2).sum()), threshold, 0.0
+    )
     walk = _Walk(problem, best, chi2_min, threshold)
     walk.bracket()
     walk.refine()

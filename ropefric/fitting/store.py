@@ -224,7 +224,7 @@ def _fault_of_scatter(fit: FitResult) -> str:
     sizes = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
     names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if sizes else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
-    known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
+    known = all(np.isfinite(array).all() for array in arrays)
     if not known or (np.diag(model.covariance) < 0.0).any():
         return text
     try:

@@ -6,7 +6,7 @@ verdict is made by rules (`_RULES`), each from one fact to the word that it call
 """
 
 import math
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, NamedTuple
 
@@ -182,7 +182,7 @@ def compare_laws(
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, tests, means),
+        notes=_notes(ranking, means),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
 
@@ -292,21 +292,17 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
     return ""
 
 
-def _notes(
-    ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], means: ConditionMeans
-) -> tuple[str, ...]:
+def _notes(ranking: Sequence[ComparisonEntry], means: ConditionMeans) -> tuple[str, ...]:
     """Return what to know before reading a ranking; first what an observation is."""
     in_all = counted(len(means), "condition")
     ranked = {entry.law: entry for entry in ranking if entry.counted}
     unweighed = not ranked or math.isnan(ranking[0].weight)
-    rejected = _rejected(ranked, tests) if unweighed else ""
     rivals = _close(ranked, RIVAL)
     alike = [law for law in _close(ranked, STRONG) if _look_alike(law, ranking[0].law)]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
         _no_choice(ranked, in_all): unweighed,
-        rejected: rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
         f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
@@ -316,18 +312,6 @@ def _notes(
 def _close(ranked: Mapping[str, ComparisonEntry], limit: float) -> list[str]:
     """Return the ranked laws whose AICc is above the best by no more than a limit."""
     return [law for law, entry in ranked.items() if entry.delta_aicc <= limit]
-
-
-def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:
-    """Return which ranked law a fuller one that is not ranked rejects most clearly; empty if none does."""
-    clear = [
-        one for one in tests if one.simpler in ranked and one.fuller not in ranked and one.p_value < CHANCE
-    ]
-    if not clear:
-        return ""
-    surest = min(clear, key=lambda test: test.p_value)
-    text = f"an F-test rejects {surest.simpler}: {surest.fuller}, which is not ranked, fits better"
-    return f"{text} (p = {surest.p_value:.2g})"
 
 
 # Strong evidence is needed to distinguish laws with an offset from laws with a wrap effect.

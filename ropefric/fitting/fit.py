@@ -22,6 +22,7 @@ from ropefric.fitting.problem import (
     batched_fit,
     check_settings,
     law_named,
+    typical_mu,
 )
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.scatter import estimated, laid_out
@@ -414,7 +415,7 @@ def _least_known(problem: FitProblem, theta: FloatArray, free: BoolArray) -> tup
 # Enough to tell the candidates apart; a start needs no more.
 _MAX_CONDITIONS = 400
 _FINALISTS = 12
-_FIRST_STEPS, _STEPS = 10, 40
+_STEPS = 40
 # In standard errors: starts further off (0.01) lead some laws into another place of their valley.
 _NEAR = 1e-4
 
@@ -439,18 +440,14 @@ def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> 
     try:
         # Data at the ends of what a float holds overflow on the way.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            # The median of the average coefficients, which one bad trial cannot move far.
-            average = (data - conditions.log_end_tension)[wrapped] / conditions.wrap_angle_rad[wrapped]
-            mu = max(float(np.median(average)), 1e-3) if wrapped.any() else 0.2
+            mu = max(typical_mu(conditions.select(wrapped), data[wrapped]), 1e-3) if wrapped.any() else 0.2
             candidates = np.asarray(law.candidates(mu, conditions, data), dtype=np.float64)
             theta = np.clip(candidates, law.lower, law.upper)
             theta = theta[law.admissible(theta, conditions)]
             if len(theta):
                 best = theta[np.argsort(misfit(theta), kind="stable")[:_FINALISTS]]
-                # Most searches come near within a few steps; only the best of them goes to the end.
-                for steps in (_FIRST_STEPS, _STEPS):
-                    best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=steps).theta
-                    found = best = best[np.argmin(misfit(best))]
+                best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=_STEPS).theta
+                found = best[np.argmin(misfit(best))]
     except (InputError, np.linalg.LinAlgError):
         found = typical
     return np.asarray(np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper))

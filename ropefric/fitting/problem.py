@@ -185,8 +185,6 @@ _MODEL_ROUNDING = 1e-14
 _RIDGE = 1e-13
 # Near the smallest floats a square is held only in part.
 _NOTHING = 1e-280
-# A scaled gradient below this is rounding.
-_PUSH = 1e-12
 
 
 class BatchFit(NamedTuple):
@@ -329,11 +327,11 @@ def bounded_steps(
     vary: BoolArray,
     damping: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the steps that lower ‖r + J s‖² most among those inside the bounds, and their squared length.
+    """Return steps inside the bounds that lower ‖r + J s‖², and their squared length.
 
     The columns are scaled to unit length first, so parameters of any units are solved alike. A parameter that
-    presses against its bound is held there, one that would pass it stops at it, and the others are solved again
-    with that known, until no parameter wants to change sides (or 2 p rounds are over).
+    presses against its bound is held there, one that would pass it stops at it, and the others are solved again with
+    that known, until none wants to pass one.
     """
     square = normal.diagonal(axis1=1, axis2=2)
     scale = np.sqrt(np.where(square > _NOTHING, square, 1.0))
@@ -343,22 +341,9 @@ def bounded_steps(
     held = ~vary | ((low >= 0.0) & (b < 0.0)) | ((high <= 0.0) & (b > 0.0))
     stop = np.zeros(b.shape)
     step = _solve(A, b, damping, held, stop)
-    for _ in range(2 * b.shape[1]):
-        beyond = ~held & ((step < floor) | (step > roof))
-        inward = held & vary
-        if not (np.count_nonzero(beyond) or np.count_nonzero(inward)):
-            break
-        if np.count_nonzero(inward):
-            push = b - np.einsum("mij,mj->mi", A, step)
-            inward &= np.where(step <= floor, push > _PUSH, push < -_PUSH)
-            # Letting go waits until nothing is beyond a bound, or two parameters could swap for ever.
-            inward &= ~beyond.any(axis=1, keepdims=True)
-        again = np.flatnonzero((beyond | inward).any(axis=1))
-        if not again.size:
-            break
-        stop = np.where(beyond, np.clip(step, floor, roof), np.where(inward, 0.0, stop))
-        held = (held | beyond) & ~inward
-        step[again] = _solve(A[again], b[again], damping[again], held[again], stop[again])
+    while (beyond := ~held & ((step < floor) | (step > roof))).any():
+        stop, held = np.where(beyond, np.clip(step, floor, roof), stop), held | beyond
+        step = _solve(A, b, damping, held, stop)
     step = np.minimum(np.maximum(step / scale, low), high)
     # Two products of two: einsum is slow with three.
     length2 = ((normal @ step[:, :, np.newaxis])[:, :, 0] * step).sum(axis=1)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from ropefric.fitting.fit import guess
-from ropefric.fitting.problem import batched_fit, bounded_steps
+from ropefric.fitting.problem import batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 
@@ -164,18 +164,3 @@ def test_giving_up_is_flagged(bench_problem):
     fit = batched_fit(problem, starts=[1.0, -5.0, -3.0, -0.9, 1.0], max_iterations=2)
     assert not fit.converged[0]
     assert fit.n_iterations == 2
-
-
-def test_a_bounded_step_is_the_minimum_of_its_box():
-    """Against a dense search of the box."""
-    rng = np.random.default_rng(3)
-    J, r = rng.standard_normal((20, 6, 2)) * [1.0, 1e3], rng.standard_normal((20, 6))
-    low, high = np.array([-0.2, -1e-4]), np.array([0.1, 3e-4])
-    step, _ = bounded_steps(np.einsum("mni,mnj->mij", J, J), -np.einsum("mni,mn->mi", J, r),
-        low=np.tile(low, (20, 1)), high=np.tile(high, (20, 1)),
-        vary=np.ones((20, 2), bool), damping=np.zeros(20))  # fmt: skip
-    grid = np.stack(np.meshgrid(*(np.linspace(a, b, 121) for a, b in zip(low, high, strict=True))), -1)
-    for i in range(20):
-        reached = ((J[i] @ step[i] + r[i]) ** 2).sum()
-        best = ((grid @ J[i].T + r[i]) ** 2).sum(axis=-1).min()
-        assert reached <= best + 1e-9

@@ -252,7 +252,8 @@ def batched_fit(
         done = (length2 <= enough2) | (blind & (length2 > 0.8 * last2[rows]))
         last2[rows] = length2
         converged[rows[done]], alive[rows[done]] = True, False
-        rows, step, length2, blind, blur = (x[~done] for x in (rows, step, length2, blind, blur))
+        left = ~done
+        rows, step, length2, blind, blur = rows[left], step[left], length2[left], blind[left], blur[left]
         if not rows.size:
             continue
         damped = np.flatnonzero((damping[rows] > 0.0) & ~blind)
@@ -285,12 +286,12 @@ class _DataSets(NamedTuple):
 
     problem: FitProblem
     log_lift: FloatArray
-    count: FloatArray
+    times: FloatArray
 
     @property
     def signal(self) -> FloatArray:
         """Return the weighted sum of squares of the data, shape (m,): rounding errors scale with it."""
-        return np.asarray((self.count * self.problem.whitened(self.log_lift) ** 2).sum(axis=1))
+        return np.asarray((self.times * self.problem.whitened(self.log_lift) ** 2).sum(axis=1))
 
     def evaluate(self, theta: FloatArray, rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return χ², JᵀWJ and JᵀW(y − f) of a parameter set for each row; χ² is infinite where there is no answer."""
@@ -298,7 +299,7 @@ class _DataSets(NamedTuple):
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.
         with np.errstate(over="ignore", invalid="ignore"):
             residual = self.problem.whitened(self.log_lift[rows] - values)
-            J, count = self.problem.whitened_slopes(slopes), self.count[rows]
+            J, count = self.problem.whitened_slopes(slopes), self.times[rows]
             chi2 = (count * residual**2).sum(axis=1)
             weighted = J.swapaxes(1, 2) * count[:, np.newaxis, :]
             normal, downhill = weighted @ J, (weighted @ residual[:, :, np.newaxis])[..., 0]

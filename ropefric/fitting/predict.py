@@ -9,13 +9,14 @@ and plots of one's own; ropefric itself fits without lmfit.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
@@ -24,6 +25,7 @@ from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.reml import CONDITION, REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
+from ropefric.fitting.scatter import ScatterModel
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.shown import Shown
@@ -51,6 +53,8 @@ _LARGEST = math.log(np.finfo(np.float64).max)
 _ENDS_N = ("interval_N", "prediction_interval_N")
 # The profile of a prediction is made unasked only where it is quick.
 _PROFILED = 100
+# Shares of a variance for which heavy tails are tabulated, ln ½χ² of the mixture, and Newton's steps, which settle.
+_SHARES, _LOG_CHI2, _NEWTON = np.linspace(0.0, 1.0, 257), np.linspace(-18.0, 5.0, 231), 40
 # Fewer degrees of freedom than this are said.
 _FEW_DOF = 6.0
 # Nothing is left to estimate an interval from: what was not found could be anything.
@@ -130,6 +134,9 @@ class Prediction(Shown):
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     trials : mapping of str to list
         The measured conditions of the fit, as in `FitResult.trials`; empty where the fit has none.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow, and with them one pull; infinite where they are
+        normal.
     """
 
     _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
@@ -154,6 +161,7 @@ class Prediction(Shown):
     candidates: tuple[Candidate, ...] = ()
     of: str = "peak"
     trials: Mapping[str, list[float]] = field(default_factory=dict)
+    tail_dof: float = math.inf
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -184,6 +192,9 @@ class Prediction(Shown):
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
         words = outside_words(self.validity, self.conditions, index)
+        if math.isfinite(self.tail_dof):
+            text = "repeats have heavier tails than normal scatter, so the interval of one pull follows Student's t"
+            words += (f"{text} with {self.tail_dof:.0f} degrees of freedom",)
         if 0.0 < self.dof[index] < _FEW_DOF:
             few = f"the interval rests on {self.dof[index]:.2g} degrees of freedom"
             return (*words, f"{few}: more ropes or conditions would narrow it most")
@@ -203,6 +214,7 @@ class Prediction(Shown):
             "verdict": self.verdict(i).to_dict(),
             "candidates": [item._asdict() for item in self.candidates],
         }
+        found |= {"tail_dof": self.tail_dof} if math.isfinite(self.tail_dof) else {}
         return {"law": self.law, **self.conditions.row(i), **rounded_tree(found)}
 
 
@@ -250,6 +262,7 @@ def predict(
             judged=fit.verdict_on(conditions),
             of=fit.of,
             trials=fit.trials,
+            tail_dof=fit.scatter.tail_dof,
         )
 
 
@@ -370,7 +383,39 @@ def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
         return np.full_like(spread.law, np.nan)
     variance = spread.law + spread.own @ np.maximum(scatter.variance, 0.0)
     reach = scatter.reach(probability, variance, spread.rows, spread.own, spread.known)
-    return np.asarray(reach * np.sqrt(variance))
+    return np.asarray(reach * np.sqrt(variance) * _by_tails(scatter, probability, variance, spread.own))
+
+
+def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, own: FloatArray) -> FloatArray:
+    """Return how many times further than normal scatter one pull reaches, shape (n,): 1 where repeats are normal.
+
+    Of the variances (n,) the part of one repeat follows Student's t, and the rest is normal.
+    """
+    if not (math.isfinite(scatter.tail_dof) and probability > 0.5):
+        return np.ones_like(variance)
+    by_repeat = np.array([name == REPEAT for name in scatter.names]) * np.maximum(scatter.variance, 0.0)
+    share = own @ by_repeat / np.maximum(variance, np.finfo(np.float64).tiny)
+    return np.asarray(np.interp(share, _SHARES, _reach_of_tails(scatter.tail_dof, probability)))
+
+
+@cache
+def _reach_of_tails(dof: float, probability: float) -> FloatArray:
+    """Return the quantile over the normal's of a normal and a Student's t that has the part `_SHARES` of the variance.
+
+    A t is a normal of variance (ν − 2)/χ²_ν, so the sum is a mixture of normals, by the trapezoidal rule in ln χ².
+    Its distribution is concave above the median, so Newton's steps from there rise to the quantile.
+    """
+    half_chi2 = np.exp(_LOG_CHI2)
+    weights = np.exp(0.5 * dof * _LOG_CHI2 - half_chi2)
+    weights /= weights.sum()
+    share = _SHARES[:, None]
+    std = np.sqrt(1.0 - share + share * (0.5 * dof - 1.0) / half_chi2)
+    quantile = np.zeros(_SHARES.size)
+    for _ in range(_NEWTON):
+        z = quantile[:, None] / std
+        density = (np.exp(-0.5 * z**2) / std) @ weights / math.sqrt(2.0 * math.pi)
+        quantile += (probability - ndtr(z) @ weights) / density
+    return quantile / float(ndtri(probability))
 
 
 def degrees_of_freedom(fit: FitResult) -> float:

@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import ndtri, psi, stdtrit, zeta
+from scipy.special import chdtrc, gammaln, ndtri, psi, stdtrit, zeta
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
@@ -24,13 +24,17 @@ from ropefric.files.plain_text import GIVEN_DIGITS, significant
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.reml import CONDITION, REPEAT, Known, Mixture, Reml, times
-from ropefric.friction.condition import SETTINGS
+from ropefric.friction.condition import SETTINGS, Conditions
 
 ALL = "all"
 """The one component of the parameters' covariance in a fit stored before there was a model of scatter."""
 
 # Uneven scatter: standard errors of its exponent (p = 0.001), cells with repeats, and range of ln F_A to see it in.
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
+# A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
+_LEAST_DOF, _SAME, _FAR_P = 5, 1e-6, 1e-3
+# Student's t that repeats may follow, the heaviest with a variance that a sample can show, and the p-value of the test.
+_TAIL_DOFS, _TAIL_P = np.arange(3.0, 31.0), 0.05
 # Smallest eigenvalue of the correlations between components: below, two of them cannot be separated.
 _SEPARABLE = 1e-3
 _MOST_CELLS = 3000
@@ -72,6 +76,8 @@ class Layout(NamedTuple):
         Which groups they cannot show, and why.
     labels : mapping of str to tuple of str
         What the levels of each group are called.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
     """
 
     problem: FitProblem
@@ -84,6 +90,7 @@ class Layout(NamedTuple):
     notes: tuple[str, ...] = ()
     uneven: "Uneven" = EVEN
     labels: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    tail_dof: float = np.inf
 
     @property
     def nested(self) -> bool:
@@ -128,7 +135,7 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     by_cell = replace(problem, group=cell, std=np.ones(problem.n_points))
     means = stats.condition_means(by_cell)
     rise = problem.log_lift - problem.conditions.log_end_tension
-    about = rise - stats.group_means(rise, cell)[cell]
+    about = rise - (np.bincount(cell, rise) / means.size)[cell]
     k = len(means)
     on_means = replace(
         by_cell, conditions=means.conditions, log_lift=means.log_lift, std=np.ones(k), group=np.arange(k)
@@ -144,9 +151,14 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
         low, high = (f"{100.0 * value**0.5:.2g} %" for value in ends.tolist())
         text = f"repeats scatter by about {low} at the lowest force and {high} at the highest"
         notes.append(f"{text}, and are weighed so")
-    squares = float((of_cell / uneven.factor(means.log_lift)).sum())
+    factor, spare = uneven.factor(means.log_lift), cell.size - k
+    even, left, tail_dof = about / np.sqrt(factor)[cell], 1.0 - 1.0 / size[cell], np.inf
+    if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
+        tail_dof, tails = _tails(even, left, spare)
+        notes += [*tails, *_far_pull(even, left, spare - 1, problem.conditions)]
+    squares = float((of_cell / factor).sum())
     return Layout(
-        on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven, labels
+        on_means, cell, size, condition[first], squares, spare, own, tuple(notes), uneven, labels, tail_dof
     )
 
 
@@ -168,6 +180,37 @@ def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> 
         return EVEN
     ends = significant(float(log_lift.min()), 6), significant(float(log_lift.max()), 6)
     return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
+
+
+def _tails(about: FloatArray, own: FloatArray, spare: int) -> tuple[float, list[str]]:
+    """Return the degrees of freedom of the t that repeats follow where they are not normal, and that in words.
+
+    Deviations from the means of cells, of which the part `own` (n,) of the variance is left, are put to their own
+    variance. Student's t of the same variance is tested against the normal by its likelihood; normal scatter lies at
+    the end of its range, so that half of χ² with one degree of freedom counts (Self & Liang 1987, JASA 82:605).
+    """
+    z2 = about**2 * spare / (about @ about) / np.where(own > 0.0, own, 1.0)
+    nu = _TAIL_DOFS
+    constant = gammaln(0.5 * nu + 0.5) - gammaln(0.5 * nu) - 0.5 * np.log(0.5 * nu - 1.0)
+    gain = constant - 0.5 * (nu + 1.0) * np.log1p(z2[:, None] / (nu - 2.0)) + 0.5 * z2[:, None]
+    gains = own @ gain
+    best = int(np.argmax(gains))
+    p_value = 0.5 * float(chdtrc(1, 2.0 * max(gains[best], 0.0)))
+    if p_value >= _TAIL_P:
+        return np.inf, []
+    text = f"repeats have heavier tails than normal scatter (p = {p_value:.1g}): one pull is taken to follow Student's t"
+    return float(nu[best]), [f"{text} with {nu[best]:.0f} degrees of freedom"]
+
+
+def _far_pull(about: FloatArray, own: FloatArray, dof: int, at: Conditions) -> list[str]:
+    """Return that a pull lies further off its repeats than normal scatter allows, in words."""
+    worst, off, p_value = stats.furthest(about, own, dof)
+    if p_value >= _FAR_P:
+        return []
+    radius_mm, wrap_deg = 1e3 * at.wheel_radius_m[worst], np.degrees(at.wrap_angle_rad[worst])
+    where = f"R_w = {radius_mm:.4g} mm, wrap {wrap_deg:.4g} deg, F_B = {at.end_tension_N[worst]:.4g} N"
+    text = f"a pull at {where} lies {off:.1f} standard deviations off its repeats (p = {p_value:.1g})"
+    return [f"{text}. Look at its recording; the intervals count it as scatter"]
 
 
 def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray]) -> str:
@@ -215,6 +258,8 @@ class ScatterModel:
         How the variances by condition and repeat, those at its centre, grow with the force.
     labels : mapping of str to tuple of str
         What the levels of each group are called.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
     mixtures : tuple of Mixture
         One for each group, in their order; none in a fit that was stored without them.
     """
@@ -226,6 +271,7 @@ class ScatterModel:
     slopes: FloatArray
     uneven: Uneven = EVEN
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    tail_dof: float = np.inf
     mixtures: tuple[Mixture, ...] = ()
 
     def std(self, name: str) -> float:
@@ -330,7 +376,7 @@ class ScatterModel:
         tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
         tree |= {"labels": dict(self.labels)} if self.labels else {}
         tree |= {"mixtures": [one._asdict() for one in self.mixtures]} if self.mixtures else {}
-        return tree
+        return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], p: int) -> "ScatterModel":
@@ -340,6 +386,7 @@ class ScatterModel:
         arrays = {name: np.array(tree[name], np.float64).reshape(shape) for name, shape in shapes.items()}
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
+        uneven, tail_dof = Uneven(**tree["uneven"]), float(tree.get("tail_dof", np.inf))
         mixtures = tuple(
             Mixture(
                 np.array(one["weight"], np.float64), np.array(one["variance"], np.float64), float(one["dof"])
@@ -349,8 +396,9 @@ class ScatterModel:
         return cls(
             names=words,
             levels=levels,
-            uneven=Uneven(**tree["uneven"]),
+            uneven=uneven,
             labels=labels,
+            tail_dof=tail_dof,
             mixtures=mixtures,
             **arrays,
         )
@@ -410,7 +458,7 @@ def estimated(
     model = ScatterModel(
         names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
-        labels={name: words for name, words in layout.labels.items() if name in parts},
+        labels={name: words for name, words in layout.labels.items() if name in parts}, tail_dof=layout.tail_dof,
         mixtures=tuple(one._replace(variance=one.variance * size2) for one in mixtures),
     )  # fmt: skip
     whitening = at.whitening / size2**0.5

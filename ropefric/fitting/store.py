@@ -255,7 +255,8 @@ def _has_scatter(fit: FitResult) -> bool:
     sizes = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
     names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if sizes else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
-    if not all(np.isfinite(array).all() for array in arrays) or (np.diag(model.covariance) < 0.0).any():
+    known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
+    if not known or (np.diag(model.covariance) < 0.0).any():
         return False
     try:
         weighted = fit.weighted()

@@ -292,6 +292,67 @@ def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
         assert said in text
 
 
+def test_a_pull_far_off_its_repeats_is_said():
+    rng = np.random.default_rng(3)
+    rise = 0.2 * np.repeat(WRAPS, 5) + 0.02 * rng.normal(size=30)
+    assert not any("off its repeats" in note for note in fit_law(table(rise, 5), "constant").notes)
+    rise[7] += 0.15
+    (note,) = (note for note in fit_law(table(rise, 5), "constant").notes if "off its repeats" in note)
+    assert f"wrap {np.degrees(WRAPS[1]):.4g} deg, F_B = 20 N" in note
+
+
+def test_heavy_tails_are_said_and_reach_the_interval_of_one_pull():
+    """Expected quantiles of a t3 with ten pulls a condition, about a mean known by them, against draws."""
+    t3 = stats.t.ppf((np.arange(60) + 0.5) / 60, 3)
+    rise = 0.2 * np.repeat(WRAPS, 10) + 0.02 * np.random.default_rng(2).permutation(t3)
+    trials = table(rise, 10)
+    fit = fit_law(trials, "constant")
+    nu = int(fit.scatter.tail_dof)
+    assert 3 <= nu <= 5
+    assert f"one pull is taken to follow Student's t with {nu} degrees of freedom" in " ".join(fit.notes)
+    found = predict(fit, wheel(), level=0.999)
+    assert found.to_dict()["tail_dof"] == nu
+    assert "heavier tails than normal scatter" in " ".join(found.notes())
+    rng, model, n = np.random.default_rng(1), fit.scatter, 1_000_000
+    of = dict(zip(model.names, np.maximum(model.variance, 0.0), strict=True))
+    normal = math.hypot(5.0 * fit["mu"].std, math.sqrt(of["condition"]))
+    drawn = normal * rng.standard_normal(n) + math.sqrt(of["repeat"] * (1 - 2 / nu)) * rng.standard_t(nu, n)
+    (dof,) = model.dof(np.array([[5.0]]), model.one_pull(np.zeros(1), np.zeros(1)) * (model.variance > 0.0))
+    half = np.quantile(np.abs(drawn), 0.999) * stats.t.ppf(0.9995, dof) / stats.norm.ppf(0.9995)
+    assert 0.5 * np.ptp(np.log(found.prediction_interval_N)) == pytest.approx(half, rel=0.03)
+    normal_fit = fit_law(
+        table(0.2 * np.repeat(WRAPS, 10) + 0.035 * stats.norm.ppf(stats.t.cdf(t3, 3)), 10), "constant"
+    )
+    mean = normal_fit["mu"].std / fit["mu"].std
+    assert np.ptp(found.interval_N) * mean == pytest.approx(
+        np.ptp(predict(normal_fit, wheel(), level=0.999).interval_N), rel=0.05
+    )
+    again = FitResult.from_dict(fit.to_dict())
+    assert predict(again, wheel(), level=0.999).to_dict() == found.to_dict()
+
+
+@pytest.mark.parametrize(("repeats", "size"), [(5, 0.02), (1, 0.02), (2, 0.0)])
+def test_normal_scatter_and_too_little_of_it_say_nothing_of_tails(repeats, size):
+    rise = 0.2 * np.repeat(WRAPS, repeats) + size * np.random.default_rng(4).normal(size=6 * repeats)
+    fit = fit_law(table(rise, repeats), "constant")
+    assert not any("tails" in text for text in (*fit.notes, *predict(fit, wheel()).notes()))
+    assert "tail_dof" not in predict(fit, wheel()).to_dict()
+    assert "tail_dof" not in fit.to_dict()["scatter"]
+
+
+def test_normal_scatter_is_rarely_taken_for_heavy_tails():
+    """Of 300 sets of 60 pulls, at a test of 5 % at most: 24 and more once in 100 times."""
+    rng = np.random.default_rng(9)
+    found = (
+        laid_out(
+            constant_problem(np.repeat(WRAPS, 10), 0.02 * rng.normal(size=60), np.repeat(np.arange(6), 10)),
+            {},
+        )
+        for _ in range(300)
+    )
+    assert sum(math.isfinite(layout.tail_dof) for layout in found) < 24
+
+
 def test_a_fit_with_ropes_predicts_the_same_from_its_file():
     fit = fit_law(roped(np.random.default_rng(2)), "wrap-power")
     again = FitResult.from_dict(fit.to_dict())

@@ -556,6 +556,7 @@ def predict(
     method: Method = "auto",
     linear_density_kg_m: Given = None,
     speed_m_s: Given = None,
+    rope: str | None = None,
     columns: Columns = None,
     **named: Given,
 ) -> Prediction:
@@ -573,6 +574,8 @@ def predict(
         R_r [m]; that of the trials where they had one rope only.
     level, method, linear_density_kg_m, speed_m_s
         As `ropefric.fitting.predict.predict`.
+    rope : str, optional
+        A rope of the trials by its `rope_id`: `this_rope` of the result is the force with that rope.
     columns : mapping of str to str, optional
         New names of the table's columns.
     **named : number, array_like or quantity
@@ -617,7 +620,8 @@ def predict(
     for name, unit in (("linear_density_kg_m", "kg/m"), ("speed_m_s", "m/s")):
         if moving[name] is not None:
             moving[name] = number(moving[name], unit, name)
-    return predict_lift(stored, Conditions(**given), level=level, method=method, **moving)
+    TEXT.check_given(rope=rope)
+    return predict_lift(stored, Conditions(**given), level=level, method=method, rope=rope, **moving)
 
 
 def design(

@@ -55,7 +55,7 @@ SIGNATURES = {
     "plan_tests": f"(known, *, wheels_m=None, wraps_rad=None, end_tensions_N=None, {WHEEL}, largest_force_N=None, "
     "n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, seed=0, **named)",
     "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
-    "columns=None, **named)",
+    "rope=None, columns=None, **named)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",

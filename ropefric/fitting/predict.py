@@ -19,15 +19,16 @@ from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.reml import CONDITION, REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
-from ropefric.fitting.scatter import ScatterModel
+from ropefric.fitting.scatter import ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
+from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.uncertainty.budget import check_level
 
@@ -85,6 +86,21 @@ def outside_words(validity: Validity, conditions: Conditions, index: int = 0) ->
     return tuple(words)
 
 
+class RopePrediction(NamedTuple):
+    """Lift forces with a rope that was measured, for n conditions: the law and the measured deviation of that rope.
+
+    The force and its standard deviation (n,) [N], where the mean of the rope and where one pull with it lies (n, 2)
+    [N], and the degrees of freedom of the former (n,).
+    """
+
+    rope: str
+    lift_force_N: FloatArray
+    std_N: FloatArray
+    interval_N: FloatArray
+    prediction_interval_N: FloatArray
+    dof: FloatArray
+
+
 class Candidate(NamedTuple):
     """One of several laws that the data do not distinguish: lift force, its standard deviation and interval."""
 
@@ -132,6 +148,8 @@ class Prediction(Shown):
         Answers of the laws that the data cannot distinguish, the law used first; empty for a single law.
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
+    this_rope : RopePrediction, optional
+        The same for a rope that was measured, if one was asked for.
     trials : mapping of str to list
         The measured conditions of the fit, as in `FitResult.trials`; empty where the fit has none.
     tail_dof : float
@@ -160,6 +178,7 @@ class Prediction(Shown):
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
     of: str = "peak"
+    this_rope: RopePrediction | None = None
     trials: Mapping[str, list[float]] = field(default_factory=dict)
     tail_dof: float = math.inf
 
@@ -215,6 +234,10 @@ class Prediction(Shown):
             "candidates": [item._asdict() for item in self.candidates],
         }
         found |= {"tail_dof": self.tail_dof} if math.isfinite(self.tail_dof) else {}
+        if (of := self.this_rope) is not None:
+            found["this_rope"] = {"rope": of.rope} | dict(
+                zip(of._fields[1:], (x[i] for x in of[1:]), strict=True)
+            )
         return {"law": self.law, **self.conditions.row(i), **rounded_tree(found)}
 
 
@@ -226,8 +249,9 @@ def predict(
     method: Method = "auto",
     linear_density_kg_m: float | None = None,
     speed_m_s: float | None = None,
+    rope: str | None = None,
 ) -> Prediction:
-    """Return the lift force of a fitted law for n conditions, with its intervals.
+    """Return the lift force of a fitted law for n conditions, with its intervals; also of a `rope` that was measured.
 
     Outside what was tested they hold those of the laws that a comparison does not exclude, `fit.rivals`.
     """
@@ -242,6 +266,7 @@ def predict(
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     spread, probability = _spread(fit, model, conditions), 0.5 + 0.5 * level
     ends = lift_ends(fit, model, conditions, probability, method)
+    this = None if rope is None else _of_rope(fit, model, conditions, rope, probability)
     with np.errstate(over="ignore"):
         lift_N, mean_N, pull_N, rope_N = (np.exp(one) for one in (log_lift, *ends))
         return Prediction(
@@ -261,6 +286,7 @@ def predict(
             validity=fit.validity,
             judged=fit.verdict_on(conditions),
             of=fit.of,
+            this_rope=this,
             trials=fit.trials,
             tail_dof=fit.scatter.tail_dof,
         )
@@ -321,6 +347,58 @@ def _profiled(fit: FitResult, model: LiftModel, conditions: Conditions, half: Fl
     share = np.exp(model.law.log_lift(fit.theta, pressing) - model.log_lift(fit.theta, conditions))
     ends = profile_lift(fit, pressing, half / share)
     return ends if model.inertia_N == 0.0 else np.logaddexp(math.log(model.inertia_N), ends)
+
+
+def _of_rope(
+    fit: FitResult, model: LiftModel, conditions: Conditions, rope: str, probability: float
+) -> RopePrediction:
+    """Return the lift forces with a rope of the trials by its name."""
+    own, names = _measured_rope(fit, model, conditions, rope, probability), fit.scatter.labels.get("rope", ())
+    if own is None and rope in (names or (rope,)):
+        text = f"the fit of {fit.law} has no component of scatter by rope"
+        fix = "fit trials with a column rope_id, in which each rope was pulled at several conditions"
+        raise InputError(text, key="rope", fix=fix)
+    if own is None:
+        text = f"no trial of the fit was made with the rope {rope!r}"
+        raise UnknownNameError(text, key="rope", fix=did_you_mean(rope, names))
+
+    def of_rival(rival: FitResult, law: LiftModel, places: Conditions) -> tuple[FloatArray, ...]:
+        found = _measured_rope(rival, law, places, rope, probability)
+        return () if found is None else (found.interval_N, found.prediction_interval_N)
+
+    ends_N = own.interval_N, own.prediction_interval_N
+    mean_N, pull_N = _with_rivals(fit, model, conditions, ends_N, of_rival)
+    return own._replace(interval_N=mean_N, prediction_interval_N=pull_N)
+
+
+def _measured_rope(
+    fit: FitResult, model: LiftModel, conditions: Conditions, rope: str, probability: float
+) -> RopePrediction | None:
+    """Return the lift forces with a rope by the law alone; None where the fit has no component for it."""
+    scatter, cells = fit.scatter, fit.cells()
+    if cells is None or rope not in scatter.labels.get("rope", ()):
+        return None
+    spread, (layout, errors) = _spread(fit, model, conditions), cells
+    of, none = ("rope", scatter.labels["rope"].index(rope)), np.zeros_like(spread.rows)
+    found = measured_level(layout, scatter, fit.theta, errors, of, spread.rows, spread.rise)
+    # One pull with this rope: what is not the rope's comes new.
+    new = spread.own * (np.array(scatter.names) != "rope")
+    grouped = np.array([name in scatter.groups for name in scatter.names])
+    shown = np.where(grouped, np.maximum(scatter.variance, 0.0), scatter.variance)
+    stds, dofs, reach = [], [], []
+    for more in (np.zeros_like(new), new):
+        own = found.own + more
+        known = found.known + found.estimated
+        variance = np.maximum(found.own @ shown, 0.0) + more @ np.maximum(shown, 0.0) + known
+        stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
+        dofs.append(scatter.dof(none, own, found.known))
+        tails = _by_tails(scatter, probability, variance, more)
+        reach.append(scatter.reach(probability, variance, none, own, known) * stds[-1] * tails)
+    log_lift, signs = model.log_lift(fit.theta, conditions) + found.shift, np.array([-1.0, 1.0])
+    with np.errstate(over="ignore"):
+        force_N = np.exp(log_lift)
+        mean_N, pull_N = (np.exp(log_lift[:, None] + signs * x[:, None]) for x in (reach[0], np.fmax(*reach)))
+    return RopePrediction(rope, force_N, force_N * stds[0], mean_N, pull_N, dofs[0])
 
 
 def _with_rivals(

@@ -480,6 +480,61 @@ def weighed(layout: Layout, model: ScatterModel, theta: FloatArray, errors: Floa
     return replace(problem, root=np.linalg.inv(np.linalg.cholesky(V)))
 
 
+class MeasuredLevel(NamedTuple):
+    """Information of the trials about one level of a group at c conditions, such as a rope that was pulled.
+
+    Beside the law, ln F_A of the level's mean (c,); of its error the part of each variance (c, m), what stated errors
+    bring (c,), and what the variances being estimated bring (c,).
+    """
+
+    shift: FloatArray
+    own: FloatArray
+    known: FloatArray
+    estimated: FloatArray
+
+
+def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
+    layout: Layout,
+    model: ScatterModel,
+    theta: FloatArray,
+    errors: FloatArray,
+    of: tuple[str, int],
+    slopes: FloatArray,
+    rise: FloatArray,
+) -> MeasuredLevel:
+    """Return the best linear unbiased prediction for a level, where ln F_A has some slopes (c, p) and rises (c,).
+
+    k is what the level shares with the means y of the cells, X their slopes, C = (Xᵀ V⁻¹ X)⁻¹. The prediction is λᵀ y,
+    λ = V⁻¹ k + V⁻¹ X C (j − Xᵀ V⁻¹ k) (Henderson 1975, Biometrics 31:423), and its variance changes with each σ_i² by
+    λᵀ A_i λ − 2 λᵀ ∂k/∂σ_i² + ∂σ²/∂σ_i² rise². Estimated variances add 2 Σ w_ij m_iᵀ P m_j, m_i = ∂k/∂σ_i² − A_i λ
+    (Kackar & Harville 1984, JASA 79:853), which for the law alone is what Kenward and Roger add.
+    """
+    name, level = of
+    weighted, place = weighed(layout, model, theta, errors), model.names.index(name)
+    values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
+    X, slopes = J[:, weighted.vary], slopes[:, weighted.vary]
+    there = values - weighted.conditions.log_end_tension
+    shared = np.outer(rise, there * (layout.groups[name] == level))
+    size = max(float(model.variance[place]), 0.0)
+    half, left = stats.decomposed(weighted.whitened(X.T).T).root()
+    k = size * weighted.whitened(shared)
+    turned = k + (slopes @ half - k @ left) @ left.T
+    weights = turned / weighted.std if weighted.root is None else turned @ weighted.root
+    own, moved = [], []
+    for one in model.names:
+        part = _part(one, layout, there)
+        by = weights * part if part.ndim == 1 else weights @ part
+        own.append((weights * by).sum(axis=1))
+        if one == name:
+            by = by - shared
+            own[-1] += (shared.any(axis=1) * rise**2) - 2.0 * (weights * shared).sum(axis=1)
+        by = weighted.whitened(by)
+        moved.append(by - (by @ left) @ left.T)
+    more = 2.0 * np.einsum("ij,ick,jck->c", model.covariance, np.stack(moved), np.stack(moved))
+    known = ((weights @ errors) ** 2).sum(axis=1)
+    return MeasuredLevel(k @ weighted.whitened(weighted.log_lift - values), np.array(own).T, known, more)
+
+
 def _parts_of(names: Sequence[str], layout: Layout, rise: FloatArray, *, full: bool) -> dict[str, FloatArray]:
     """Return `_part` of each component: all diagonals, or all matrices where one of them is or `full` demands it."""
     parts = {name: _part(name, layout, rise) for name in names}

@@ -40,6 +40,37 @@ def words_of(example):
     return [*shlex.split(example)[1:], "--quiet"]
 
 
+def test_a_rope_of_the_trials_has_a_prediction_of_its_own(call, tmp_path):
+    """Two ropes whose μ differ by a tenth, each at four wraps: the stronger one lifts more than the law says."""
+    rows = []
+    for k, wrap in enumerate((180, 270, 400, 540)):
+        for rope, mu, sign in (("r1", 0.2, 1), ("r2", 0.22, -1)):
+            peak_N = 20 * math.exp(mu * math.radians(wrap) + sign * 1e-3 * (-1) ** k)
+            rows.append(f"40,10,{wrap},20,{peak_N:.4f},{rope}")
+    trials, fit = table(tmp_path / "t.csv", f"{HEADER},rope_id", rows), tmp_path / "fit.json"
+    call("fit", trials, "--law", "constant", "--out", fit)
+    words = (
+        "predict",
+        "--fit",
+        fit,
+        "--wheel-radius",
+        "40 mm",
+        "--wrap",
+        "400 deg",
+        "--end-tension",
+        "20 N",
+        "--rope",
+    )
+    found = call(*words, "r2", "--json").json()
+    assert found["this_rope"]["rope"] == "r2"
+    assert found["this_rope"]["lift_force_N"] == pytest.approx(
+        20 * math.exp(0.22 * math.radians(400)), rel=0.003
+    )
+    assert found["lift_force_N"] < found["this_rope"]["interval_N"][0]
+    assert "With rope r2" in call(*words, "r2").out
+    assert "did you mean 'r2'" in call(*words, "r22").err
+
+
 def test_the_examples_in_the_help_work(call, tmp_path, monkeypatch):
     shutil.copytree(ROOT / "fits", tmp_path / "fits")
     monkeypatch.chdir(tmp_path)

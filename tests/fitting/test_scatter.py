@@ -8,6 +8,7 @@ import pytest
 from pulled import grid, table_at
 from scipy import optimize, stats
 
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.budgets import state_lift
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import is_straight, with_intervals
@@ -253,16 +254,23 @@ def rope_fits():
     return [fit_law(roped(np.random.default_rng(1), named=named), "constant") for named in (True, False)]
 
 
-def test_three_ropes_count_as_three(rope_fits):
-    rng, held, n = np.random.default_rng(5), np.zeros(2), 30
+def test_three_ropes_count_as_three_and_each_is_known_better_than_a_new_one(rope_fits):
+    rng, held, n = np.random.default_rng(5), np.zeros(4), 30
     for _ in range(n):
         trials = roped(rng)
         fit = fit_law(trials, "constant", n_starts=1)
-        found, noise = predict(fit, wheel(6.0)), 0.01 * math.sqrt(2.0) * rng.normal()
-        truths = 1.2, 1.2 * (1 + 0.04 * rng.normal()) + noise
-        ends = found.interval_N, found.prediction_interval_N
+        found = predict(fit, wheel(6.0), rope="r0")
+        this, noise = found.this_rope, 0.01 * math.sqrt(2.0) * rng.normal(size=2)
+        # The rope's own μ, from its trials without noise as `roped` draws them.
+        of = np.array(trials.labels["rope_id"]) == "r0"
+        rise, wrap = np.log(trials.peak_N / trials.end_tension_N)[of], trials.wrap_angle_rad[of]
+        own = 6.0 * float(rise @ wrap / (wrap @ wrap))
+        truths = 1.2, 1.2 * (1 + 0.04 * rng.normal()) + noise[0], own, own + noise[1]
+        ends = found.interval_N, found.prediction_interval_N, this.interval_N, this.prediction_interval_N
         lows, highs = np.log(np.array(ends)[:, 0].T / 20.0)
         held += (lows <= truths) & (truths <= highs)
+        # As wide where these ropes happen not to differ.
+        assert np.ptp(this.interval_N) < 1.001 * np.ptp(found.rope_interval_N)
     # Of 30: at 95 % 24 and fewer once in 150 times. Not naming the ropes holds the mean in 61 % only.
     assert held.min() > 24
     assert 1.5 < fit.statistics.interval_dof < 3.5
@@ -278,6 +286,36 @@ def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull(rope_fits):
     assert mean < rope <= pull
     assert any("degrees of freedom" in note for note in found.notes())
     assert plain.rope_interval_N is None
+
+
+def test_a_measured_rope_is_predicted_as_theory_says_for_a_balanced_design():
+    """Each of n ropes over each wrap: the slope of a rope, shrunk to the mean by ρ, with an error in closed form."""
+    rng, n, S = np.random.default_rng(7), 3, float(WRAPS @ WRAPS)
+    ropes = np.tile([0, 1, 2], 6)
+    rise = np.repeat(WRAPS, 3) * 0.2 * (1 + 0.05 * rng.normal(size=3))[ropes]
+    rise += np.repeat(0.01 * rng.normal(size=6), 3) + 0.01 * rng.normal(size=18)
+    fit = fit_law(table(rise, 3, labels={"rope_id": tuple(f"r{r}" for r in ropes)}), "constant")
+    found = predict(fit, wheel(5.0), rope="r1").this_rope
+    slopes = np.array([WRAPS @ rise[ropes == r] / S for r in range(n)])
+    mu, of = slopes.mean(), dict(zip(fit.scatter.names, fit.scatter.variance, strict=True))
+    own, rest = mu**2 * of["rope"], of["repeat"] / S
+    rho = own / (own + rest)
+    assert math.log(found.lift_force_N[0] / 20.0) / 5.0 == pytest.approx(
+        mu + rho * (slopes[1] - mu), rel=1e-5
+    )
+    by = {"rope": mu**2 * rest, "condition": 0.0, "repeat": -own / S}
+    by = np.array([by[name] for name in fit.scatter.names]) / (own + rest) ** 2  # ∂ρ by the variances
+    more = 2.0 * (1 - 1 / n) * (own + rest) * by @ fit.scatter.covariance @ by
+    variance = of["condition"] / S + rest / n + (1 - 1 / n) * rho * rest + more
+    assert found.std_N[0] / found.lift_force_N[0] == pytest.approx(5.0 * math.sqrt(variance), rel=1e-3)
+
+
+def test_a_rope_that_nobody_pulled_is_refused(rope_fits):
+    named, plain = rope_fits
+    with pytest.raises(UnknownNameError, match="no trial of the fit was made with the rope 'r7'"):
+        predict(named, wheel(), rope="r7")
+    with pytest.raises(InputError, match="has no component of scatter by rope"):
+        predict(plain, wheel(), rope="r1")
 
 
 def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
@@ -356,7 +394,7 @@ def test_normal_scatter_is_rarely_taken_for_heavy_tails():
 def test_a_fit_with_ropes_predicts_the_same_from_its_file():
     fit = fit_law(roped(np.random.default_rng(2)), "wrap-power")
     again = FitResult.from_dict(fit.to_dict())
-    assert predict(again, wheel()).to_dict() == predict(fit, wheel()).to_dict()
+    assert predict(again, wheel(), rope="r1").to_dict() == predict(fit, wheel(), rope="r1").to_dict()
 
 
 # --- stated errors --------------------------------------------------------------------------------------------------

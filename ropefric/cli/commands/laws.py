@@ -166,6 +166,7 @@ def predict(
     rope_diameter: float | None = options.ROPE_DIAMETER,
     speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
     linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
+    rope: str | None = Option(None, metavar="ROPE_ID", help="A rope of the trials: the force with that one."),
     level: options.Level = 0.95,
     method: str = Option("auto", metavar="auto|linear|profile", help="How the uncertainty is carried over."),
     hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
@@ -179,9 +180,14 @@ def predict(
     wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
-    found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
+    found = predicting.predict(stored, wheel, level=level, method=method, rope=rope, **running_rope)  # type: ignore[arg-type]
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [parts.prediction_section(found)]
+    if (of := found.this_rope) is not None:
+        lines = [f"F_A = {of.lift_force_N[0]:.4g} N"]
+        for what, ends in (("its mean", of.interval_N), ("one pull with it", of.prediction_interval_N)):
+            lines.append(f"{100 * level:g} % interval of {what}: {ends[0, 0]:.4g} N to {ends[0, 1]:.4g} N")
+        sections.append(section.Section(title=f"With rope {of.rope}", lines=tuple(lines)))
     if hand:
         running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
         shown = (*running, *stored.friction_law.calculation(stored.theta, wheel))

@@ -6,7 +6,7 @@ verdict is made by rules (`_RULES`), each from one fact to the word that it call
 """
 
 import math
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, NamedTuple
 
@@ -27,7 +27,7 @@ from ropefric.fitting.standing import (
     standing,
     wild_trial,
 )
-from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
+from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
@@ -48,8 +48,10 @@ REFUSED = "refused"
 _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 # Laws whose ln F_A agree to this at every condition are one law on these data.
 _SAME = 1e-6
-# Twice a log-likelihood this far below the best that the law can do is another solution.
-_STRAYED = 10.0
+_HIDDEN = (
+    "the load was set and the end tension measured, which does not show how the friction depends on the end tension; "
+    "compare a form ending in -from-zero"
+)
 # Half widths of two intervals that differ by no more than this factor are alike.
 _WIDTHS = 2.0
 # Criteria are differences of logarithms, weights and p-values their powers.
@@ -165,9 +167,13 @@ def compare_laws(
     data, slack = fits["constant"].data, table.measures_slack
     means = condition_means(data)
     wild = wild_trial(data, slack=slack)
-    standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
+    hidden = [name for name, fit in fits.items() if slack and "end-tension" in fit.friction_law.effects]
+    notes |= dict.fromkeys(hidden, _HIDDEN)
+    standings = {
+        name: standing(fit.data, means, fit.theta) for name, fit in fits.items() if name not in hidden
+    }
     for name, stands in standings.items():
-        notes[name] = notes[name] or _no_judge(fits[name], stands, means, slack=slack)
+        notes[name] = notes[name] or _no_judge(stands, means)
         notes[name] = notes[name] or _twin(name, standings, notes)
     ranking, tests = _ranking(fits, standings, notes, len(means)), _nested_tests(standings)
     return Comparison(
@@ -176,7 +182,7 @@ def compare_laws(
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, tests, means, slack=slack),
+        notes=_notes(ranking, means),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
 
@@ -222,7 +228,9 @@ def _ranking(
     """Return all laws, those without a note weighed and first."""
     ranked = [name for name, note in notes.items() if not note]
     criteria = [standings[name].aicc for name in ranked]
-    judged = len(fits) == len(notes) and all(map(_is_judged, fits.values(), standings.values()))
+    judged = len(fits) == len(notes) and all(
+        _is_judged(fits[name], stands) for name, stands in standings.items()
+    )
     # Weights say nothing of one law, nor of the constant ones where others went unjudged.
     weighed = len(ranked) > 1 and (judged or not set(ranked) <= set(ALWAYS))
     weights = akaike_weights(criteria).tolist() if weighed else [math.nan] * len(ranked)
@@ -232,12 +240,16 @@ def _ranking(
         plain = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
         if name not in fits:
             return plain
-        stands, fit = standings[name], fits[name]
+        fit = fits[name]
+        plain = replace(plain, status=fit.status.value, fit=fit)
+        if name not in standings:
+            return plain
+        stands = standings[name]
         return replace(
             plain, k=stands.k, chi2=stands.chi2, aicc=stands.aicc, bic=stands.bic,
             # Two laws that follow the data exactly both stand at −inf, no distance apart.
             delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
-            loco_error=math.nan if note else leave_one_out(stands), status=fit.status.value, fit=fit,
+            loco_error=math.nan if note else leave_one_out(stands),
         )  # fmt: skip
 
     entries = (entry(name, note) for name, note in notes.items())
@@ -259,15 +271,12 @@ def _why_not(fit: FitResult) -> str:
     return ""
 
 
-def _no_judge(fit: FitResult, stands: Standing, means: ConditionMeans, *, slack: bool) -> str:
-    """Return why the conditions cannot judge a law, or its fit missed what was measured; empty otherwise."""
-    if stands.aicc == math.inf:
-        few = counted(len(means), "observation")
-        return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
-    missed = stands.problem.law.log_lift(fit.theta, stands.problem.conditions) - means.log_lift
-    if slack and scatter_fit(missed, means).deviance > stands.scatter.deviance + _STRAYED:
-        return "its fit gives the lift that was set whatever the end tension, which was measured"
-    return ""
+def _no_judge(stands: Standing, means: ConditionMeans) -> str:
+    """Return why the conditions cannot judge a law; empty otherwise."""
+    if stands.aicc < math.inf:
+        return ""
+    few = counted(len(means), "observation")
+    return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
 
 
 def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]) -> str:
@@ -277,30 +286,23 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
         earlier = order.index(other) < order.index(name)
         if other == name or notes[other] or not (theirs.k < mine.k or (earlier and theirs.k == mine.k)):
             continue
-        # The forces themselves, from whichever side they are seen.
-        laws = ((ALL_LAWS[other], theirs), (ALL_LAWS[name], mine))
-        lifts = [law.log_lift(stands.theta, stands.problem.conditions) for law, stands in laws]
+        lifts = [one.problem.law.log_lift(one.theta, one.problem.conditions) for one in (theirs, mine)]
         if float(np.abs(lifts[0] - lifts[1]).max()) <= _SAME:
             return f"gives the same forces as {other} on these data"
     return ""
 
 
-def _notes(
-    ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], means: ConditionMeans, *, slack: bool
-) -> tuple[str, ...]:
+def _notes(ranking: Sequence[ComparisonEntry], means: ConditionMeans) -> tuple[str, ...]:
     """Return what to know before reading a ranking; first what an observation is."""
     in_all = counted(len(means), "condition")
     ranked = {entry.law: entry for entry in ranking if entry.counted}
     unweighed = not ranked or math.isnan(ranking[0].weight)
-    rejected = _rejected(ranked, tests) if unweighed else ""
     rivals = _close(ranked, RIVAL)
     alike = [law for law in _close(ranked, STRONG) if _look_alike(law, ranking[0].law)]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
-        "the load was set and the end tension measured, so the residuals are those of ln F_B": slack,
         _no_choice(ranked, in_all): unweighed,
-        rejected: rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
         f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
@@ -310,18 +312,6 @@ def _notes(
 def _close(ranked: Mapping[str, ComparisonEntry], limit: float) -> list[str]:
     """Return the ranked laws whose AICc is above the best by no more than a limit."""
     return [law for law, entry in ranked.items() if entry.delta_aicc <= limit]
-
-
-def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:
-    """Return which ranked law a fuller one that is not ranked rejects most clearly; empty if none does."""
-    clear = [
-        one for one in tests if one.simpler in ranked and one.fuller not in ranked and one.p_value < CHANCE
-    ]
-    if not clear:
-        return ""
-    surest = min(clear, key=lambda test: test.p_value)
-    text = f"an F-test rejects {surest.simpler}: {surest.fuller}, which is not ranked, fits better"
-    return f"{text} (p = {surest.p_value:.2g})"
 
 
 # Strong evidence is needed to distinguish laws with an offset from laws with a wrap effect.

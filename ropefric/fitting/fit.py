@@ -5,6 +5,7 @@ The search goes from several starts, with weights that follow the parameters; `r
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,9 +21,8 @@ from ropefric.fitting.problem import (
     FitSettings,
     batched_fit,
     check_settings,
-    distinct_conditions,
     law_named,
-    reduced,
+    typical_mu,
 )
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.scatter import estimated, laid_out
@@ -311,13 +311,17 @@ def _nearest_start(problem: FitProblem, theta: FloatArray, free: BoolArray) -> F
     lost = rows[int((values > values.max(initial=0.0) / RANK_RATIO).sum()) :]
     if not lost.size:
         return theta
-    moved, before = theta.copy(), float((problem.residuals(theta) ** 2).sum())
+    moved, before = theta.copy(), _cost(problem, theta)
     moved[free] -= size * (lost.T @ (lost @ ((theta - problem.start)[free] / size)))
     moved = np.clip(moved, problem.lower, problem.upper)
-    if not problem.law.admissible(moved, problem.conditions):
-        return theta
-    after = float((problem.residuals(moved) ** 2).sum())
-    return moved if after <= before + _SAME_COST * (1.0 + before) else theta
+    return moved if _cost(problem, moved) <= before + _SAME_COST * (1.0 + before) else theta
+
+
+def _cost(problem: FitProblem, theta: FloatArray) -> float:
+    """Return χ², infinite where the law has no answer."""
+    if not problem.law.admissible(theta, problem.conditions):
+        return inf
+    return float((problem.residuals(theta) ** 2).sum())
 
 
 def _is_flat(problem: FitProblem, theta: FloatArray) -> bool:
@@ -351,15 +355,14 @@ def _end_of_the_valley(problem: FitProblem, theta: FloatArray, cost: float) -> t
 
 def _onto_bounds(problem: FitProblem, theta: FloatArray) -> FloatArray:
     """Return theta with every parameter on its bound that is close to it for no gain, the others fitted anew."""
-    data, moved = reduced(problem), theta
-    cost = data.chi2(theta[np.newaxis])[0]
+    moved, cost = theta, _cost(problem, theta)
     for i in np.flatnonzero(problem.vary & (theta > problem.lower) & (theta < problem.upper)):
         for bound in (problem.lower[i], problem.upper[i]):
             close = abs(moved[i] - bound) <= _NEAR_BOUND * max(abs(bound), abs(moved[i]), 1.0)
             if np.isfinite(bound) and close:
                 on_it = moved.copy()
                 on_it[i] = bound
-                if data.chi2(on_it[np.newaxis])[0] <= cost * (1.0 + _FREE) + _FREE:
+                if _cost(problem, on_it) <= cost * (1.0 + _FREE) + _FREE:
                     moved = on_it
     if moved is theta:
         return theta
@@ -412,7 +415,7 @@ def _least_known(problem: FitProblem, theta: FloatArray, free: BoolArray) -> tup
 # Enough to tell the candidates apart; a start needs no more.
 _MAX_CONDITIONS = 400
 _FINALISTS = 12
-_FIRST_STEPS, _STEPS = 10, 40
+_STEPS = 40
 # In standard errors: starts further off (0.01) lead some laws into another place of their valley.
 _NEAR = 1e-4
 
@@ -430,28 +433,21 @@ def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> 
     problem = FitProblem.plain(law, conditions, data)
     found = typical = problem.start
     wrapped = conditions.wrap_angle_rad > 0.0
-    order, firsts = distinct_conditions(conditions)
-    once, repeats = conditions.select(order[firsts]), np.diff(np.append(firsts, order.size))
 
     def misfit(theta: FloatArray) -> FloatArray:
-        lift = np.repeat(law.log_lift(theta, once), repeats, axis=-1)
-        return np.asarray(np.abs(lift - data[order]).sum(axis=-1))
+        return np.asarray(np.abs(law.log_lift(theta, conditions) - data).sum(axis=-1))
 
     try:
         # Data at the ends of what a float holds overflow on the way.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            # The median of the average coefficients, which one bad trial cannot move far.
-            average = (data - conditions.log_end_tension)[wrapped] / conditions.wrap_angle_rad[wrapped]
-            mu = max(float(np.median(average)), 1e-3) if wrapped.any() else 0.2
+            mu = max(typical_mu(conditions.select(wrapped), data[wrapped]), 1e-3) if wrapped.any() else 0.2
             candidates = np.asarray(law.candidates(mu, conditions, data), dtype=np.float64)
             theta = np.clip(candidates, law.lower, law.upper)
-            theta = theta[law.admissible(theta, once)]
+            theta = theta[law.admissible(theta, conditions)]
             if len(theta):
                 best = theta[np.argsort(misfit(theta), kind="stable")[:_FINALISTS]]
-                # Most searches come near within a few steps; only the best of them goes to the end.
-                for steps in (_FIRST_STEPS, _STEPS):
-                    best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=steps).theta
-                    found = best = best[np.argmin(misfit(best))]
+                best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=_STEPS).theta
+                found = best[np.argmin(misfit(best))]
     except (InputError, np.linalg.LinAlgError):
         found = typical
     return np.asarray(np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper))

@@ -17,21 +17,19 @@ from scipy.special import gammaincinv, ndtri
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import to_share
-from ropefric.fitting.problem import FitProblem, Rows, batched_fit, reduced
+from ropefric.fitting.problem import FitProblem, Rows, batched_fit
 from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
 
-EndKind = Literal["crossing", "bound", "open", "edge"]
+EndKind = Literal["crossing", "bound", "open"]
 
 _RIDGE = 1e-12
 _LOWER_MINIMUM = 1e-3
 _ROUNDING = 1e-26
 # The inner minimum is flat: this error of its place, in residuals, is an error of its square in Δχ².
 _TOLERANCE = 1e-7
-# Fractions of the end a parabola would have.
-_GRID = np.array([0.25, 0.5, 0.75, 0.95, 1.05, 1.3])
 _DOUBLINGS = 40
 # A parameter without a bound that can grow this far has no limit.
 _ENDLESS = 1e8
@@ -44,7 +42,6 @@ _NO_ANSWER = 1e3
 _END_NOTES: dict[EndKind, str] = {
     "bound": "the data set no {} limit before its bound {:.6g}; the interval is one-sided",
     "open": "the data set no {} limit at all",
-    "edge": "the {} end {:.6g} is where the law stops having an answer",
 }
 
 Rising = Callable[[FloatArray, Rows], FloatArray]
@@ -99,7 +96,9 @@ def profile_intervals(
     target = 2.0 * gammaincinv(0.5, level)  # the quantile of χ² of one; scipy.stats takes 0.4 s to import
     threshold = np.broadcast_to(np.asarray(scale) * target, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
-    threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
+    threshold = np.where(
+        threshold > _ROUNDING * float((problem.whitened(problem.log_lift) ** 2).sum()), threshold, 0.0
+    )
     walk = _Walk(problem, best, chi2_min, threshold)
     walk.bracket()
     walk.refine()
@@ -135,8 +134,6 @@ class _Walk:
         self.room = np.where(np.isfinite(room), room, _ENDLESS * np.maximum(np.abs(at), 1.0))
         self.root = np.sqrt(threshold[self.parameter])
         self.near, self.far = np.zeros(at.size), np.where(self.root > 0.0, np.inf, 0.0)
-        # √Δχ² less √target at `far`, which is nearly straight; an infinite one where the law has no answer.
-        self.far_gap = np.where(self.root > 0.0, np.inf, 0.0)
         # How the others follow each parameter, column by column, and how far each would go on a parabola.
         J = problem.jacobian(best) * problem.vary
         length = np.linalg.norm(J, axis=0)
@@ -168,34 +165,20 @@ class _Walk:
         self.n_fits += delta.size
         return np.asarray(np.sqrt(np.maximum(delta, 0.0)) - self.root[sides])
 
-    def place(self, sides: Rows, distance: FloatArray, gap: FloatArray) -> None:
-        """Move one end of each bracket to a distance in it."""
-        over = gap >= 0.0
-        self.far[sides[over]], self.far_gap[sides[over]] = distance[over], gap[over]
-        self.near[sides[~over]] = distance[~over]
-
     def bracket(self) -> None:
-        """Walk a grid on both sides of every parameter, then further where nothing was crossed."""
-        sides = np.flatnonzero((self.room > 0.0) & (self.root > 0.0))
-        if not sides.size:
-            return
-        grid = np.minimum(np.outer(self.reach[sides], _GRID), self.room[sides, np.newaxis])
-        gap = self.gaps(np.repeat(sides, _GRID.size), grid.ravel()).reshape(grid.shape)
-        crossed = np.maximum.accumulate(gap >= 0.0, axis=1)
-        for column in range(_GRID.size):
-            # The first crossing and what lies before it.
-            use = ~crossed[:, column] | (crossed[:, : column + 1].sum(axis=1) == 1)
-            self.place(sides[use], grid[use, column], gap[use, column])
-        distance = np.minimum(self.reach * _GRID[-1], self.room)
+        """Walk to where a parabola would end on both sides of every parameter, and further where nothing was crossed."""
+        distance = self.reach.copy()
         for _ in range(_DOUBLINGS):
-            sides = np.flatnonzero(np.isinf(self.far) & (distance < self.room))
+            sides = np.flatnonzero(np.isinf(self.far) & (self.near < self.room))
             if not sides.size:
                 return
-            distance[sides] = np.minimum(2.0 * distance[sides], self.room[sides])
-            self.place(sides, distance[sides], self.gaps(sides, distance[sides]))
+            over = self.gaps(sides, distance[sides]) >= 0.0
+            self.far[sides[over]] = distance[sides[over]]
+            self.near[sides[~over]] = distance[sides[~over]]
+            distance = np.minimum(2.0 * distance, self.room)
 
     def refine(self) -> None:
-        """Close the brackets on the roots; where the law ends before one, on that edge."""
+        """Close the brackets on the roots, or on where the law ends before one."""
         sides = np.flatnonzero(np.isfinite(self.far) & (self.far > self.near))
         if sides.size:
             self.near[sides] = rising_root(
@@ -208,9 +191,10 @@ class _Walk:
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
         ends = self.best[self.parameter] + self.sign * self.near
-        endless, limited = np.isinf(self.far), np.isfinite(self.bound)
-        reasons = [endless & limited, endless, np.isfinite(self.far_gap)]
-        kinds: list[EndKind] = np.select(reasons, ["bound", "open", "crossing"], "edge").tolist()
+        endless = np.isinf(self.far)
+        kinds: list[EndKind] = np.select(
+            [endless & np.isfinite(self.bound), endless], ["bound", "open"], "crossing"
+        ).tolist()
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 

@@ -443,10 +443,8 @@ class FitResult(Shown):
         KeyError, TypeError, ValueError
             If it is no such tree.
         """
-        seen: dict[str, Any] = {
-            key: tuple(x) if isinstance(x, list) else x for key, x in tree["identifiability"].items()
-        }
-        seen |= {"ratio": _number(seen["ratio"], inf), "correlation": _number(seen["correlation"])}
+        seen = {name: tree["identifiability"][name] for name in stats.Identifiability._fields}
+        seen = {name: tuple(x) if isinstance(x, list) else x for name, x in seen.items()}
         return cls(
             law=ALL_LAWS[tree["law"]].name,
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
@@ -457,7 +455,7 @@ class FitResult(Shown):
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
-            identifiability=stats.Identifiability(**seen),
+            identifiability=stats.Identifiability(**seen | {"ratio": _number(seen["ratio"], inf)}),
             validity={name: (float(low), float(high)) for name, (low, high) in tree["validity"].items()},
             provenance=dict(tree["provenance"]),
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},

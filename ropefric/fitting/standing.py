@@ -1,32 +1,20 @@
-"""Ranking of a law on condition means: its likelihood, each mean left out, and against a simpler law.
-
-Residuals are those of the force that was measured: the lift force or, where a known weight is lifted, the end tension.
-Where the load is set and the slack side is measured, ln F_A has no scatter at all, and a law that answers the same F_A
-whatever the end tension would seem perfect. Such a law says nothing of the force that was measured, and dividing by
-∂ ln F_A/∂ ln F_B shows it.
-"""
+"""Ranking of a law on condition means: its likelihood, each mean left out, and against a simpler law."""
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem, batched_fit
-from ropefric.friction.condition import SETTINGS, Conditions
-from ropefric.friction.law import Columns, Refusal
 
 STRONG = 6.0
 """Difference of AICc from which on an effect is supported: it makes the data e^3 = 20 times likelier after its price."""
 
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
-# Of ln F_B, for how the slope by it changes with the parameters; the error is a millionth of a small correction.
-_STEP = 1e-6
 # A wild trial: so many standard deviations off the others, and once in so many tables by chance.
 _FAR, _WILD = 8.0, 1e-4
 # From so many conditions on, leaving one out is one step of the fit.
@@ -45,7 +33,7 @@ class FTest(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """A law fitted to condition means, in the lift force or in the end tension."""
+    """A law fitted to condition means."""
 
     problem: FitProblem
     theta: FloatArray
@@ -76,78 +64,22 @@ def wild_trial(problem: FitProblem, *, slack: bool) -> int | None:
     return worst if t > _FAR and p_value < _WILD else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _SetLoads(Conditions):
-    """Conditions at which the lift force was set, and the end tension measured."""
-
-    log_lift: FloatArray
-
-
-class _EndTension(NamedTuple):
-    """The physics of a law seen from the end tension, to first order.
-
-    Its ln F_A is as far off the one that was set as the law's ln F_B is off the measured one, the other way:
-    (ln F_A − set)/(∂ ln F_A/∂ ln F_B). A slope of zero leaves the end tension open, however small the rest.
-    """
-
-    physics: Any
-
-    def rise_and_slopes(self, columns: Columns, conditions: _SetLoads) -> tuple[FloatArray, Columns]:
-        """Return the rise as seen, and its slopes by the parameters."""
-        known = conditions.log_lift - conditions.log_end_tension
-        rise, slopes = self.physics.rise_and_slopes(columns, conditions)
-        slope = np.maximum(self.physics.condition_slopes(columns, conditions)[2], 1e-12)
-        more = replace(conditions, end_tension_N=conditions.end_tension_N * (1.0 + _STEP))
-        after = self.physics.rise_and_slopes(columns, more)[1]
-        off = (rise - known) / slope
-        # The slope by ln F_B changes with a parameter as the slope by the parameter changes with ln F_B.
-        seen = ((by - off * (later - by) / _STEP) / slope for by, later in zip(slopes, after, strict=True))
-        return known + off, tuple(seen)
-
-    def rise(self, columns: Columns, conditions: _SetLoads) -> FloatArray:
-        """Return the rise as seen."""
-        return self.rise_and_slopes(columns, conditions)[0]
-
-    def refusals(self, columns: Columns, conditions: _SetLoads) -> Iterable[Refusal]:
-        """Return where the law itself has no answer."""
-        return tuple(self.physics.refusals(columns, conditions))
-
-
-def standing(
-    problem: FitProblem, means: stats.ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
-) -> Standing:
-    """Return the ranking of a law on condition means, in the force that was measured."""
-    starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
-    law, conditions = problem.law, means.conditions
-    if slack and "end-tension" in law.effects:
-        seen: Any = _EndTension(law.physics)
-        law = replace(law, physics=seen)
-        settings = {name: getattr(conditions, name) for name in SETTINGS}
-        conditions = _SetLoads(log_lift=means.log_lift, **settings)
-        # A fit of ln F_A may have gone to where F_A does not depend on F_B, from which no gradient leads back.
-        declared = [parameter.start for parameter in law.parameters]
-        starts = np.vstack([starts, np.where(problem.vary, declared, starts)])
+def standing(problem: FitProblem, means: stats.ConditionMeans, theta: FloatArray) -> Standing:
+    """Return the ranking of a law on condition means."""
+    law, conditions, at, K = problem.law, means.conditions, theta, len(means)
     on_means = replace(
-        problem, law=law, conditions=conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
+        problem, conditions=conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
     )
     for _ in range(_ROUNDS):
-        at = refit(on_means, starts)
+        at = batched_fit(on_means, starts=at).theta[0]
         residual = law.log_lift(at, conditions) - means.log_lift
         scatter = stats.scatter_fit(residual, means)
         on_means = replace(on_means, std=np.sqrt(scatter.variance))
-        starts = np.vstack([at, starts[1:]])
         if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
             break
     k, deviance = problem.n_varying + 1, scatter.deviance
     chi2 = float((residual**2 / scatter.variance).sum())
     return Standing(on_means, at, scatter, chi2, k, stats.aicc(deviance, K, k), stats.bic(deviance, K, k))
-
-
-def refit(problem: FitProblem, starts: FloatArray) -> FloatArray:
-    """Return the parameters of the best of some searches, or of the starts."""
-    found = batched_fit(problem, starts=starts)
-    best = int(np.argmin(found.chi2))
-    return np.asarray((found.theta if np.isfinite(found.chi2[best]) else starts)[best])
 
 
 def leave_one_out(law: Standing) -> float:
@@ -193,6 +125,6 @@ def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
     if n <= p_fuller or p_fuller <= p_simpler:
         return None
     weighted = replace(simpler.problem, std=fuller.problem.std)
-    chi2 = float((weighted.residuals(refit(weighted, simpler.theta[np.newaxis])) ** 2).sum())
+    chi2 = float(batched_fit(weighted, starts=simpler.theta).chi2[0])
     found = stats.f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
     return FTest(simpler.problem.law.name, fuller.problem.law.name, *found)

@@ -28,8 +28,6 @@ _NOT_SEEN = 1e-150
 # Part of a parameter in the weak direction from which it is named.
 _TAKES_PART = 0.15
 _RATIO_DECIMALS = 6
-# What is left of a singular value that is zero.
-_RESIDUE = 1e-14
 # Eigenvalues of a correlation matrix that are no more than rounding.
 _UNSEEN = 1e-12
 # Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
@@ -154,9 +152,6 @@ class Identifiability(NamedTuple):
     """How well data determine parameters."""
 
     ratio: float
-    singular_values: tuple[float, ...]
-    worst_pair: tuple[str, ...]
-    correlation: float
     weak: tuple[str, ...]
     weak_direction: str
     unseen: tuple[str, ...]
@@ -172,30 +167,12 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     # Two parameters take part in equal shares: the last bits may not say which comes first.
     order = sorted(names, key=lambda name: -round(abs(weakest[name]), _RATIO_DECIMALS))
     weak = tuple(name for name in order if abs(weakest[name]) > _TAKES_PART)
-    pair, correlation = _worst_pair(values, rows, lost, names)
-    digits = [significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()]
     return Identifiability(
         ratio=significant(ratio, _RATIO_DECIMALS),
-        singular_values=tuple(digits),
-        worst_pair=pair,
-        correlation=correlation,
         weak=weak,
         weak_direction=_direction(weak, weakest),
         unseen=tuple(name for name, gone in zip(names, unseen, strict=True) if gone),
     )
-
-
-def _worst_pair(
-    values: FloatArray, rows: FloatArray, lost: BoolArray, names: Sequence[str]
-) -> tuple[tuple[str, ...], float]:
-    if len(names) < 2:
-        return (), 0.0
-    inverse = np.where(lost, 1.0 / RANK_RATIO, values) ** -2.0
-    covariance = (rows.T * inverse) @ rows
-    size = np.sqrt(np.diag(covariance))
-    correlation = (covariance / np.outer(size, size)).round(_RATIO_DECIMALS)
-    i, j = divmod(int(np.argmax(np.abs(np.triu(correlation, k=1)))), len(names))
-    return (names[i], names[j]), float(np.clip(correlation[i, j], -1.0, 1.0))
 
 
 def _direction(weak: tuple[str, ...], weakest: Mapping[str, float]) -> str:

@@ -2,9 +2,8 @@
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from itertools import chain
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +17,6 @@ from ropefric.files.disk import hash_file, kind_of_file, read_file, refuse_input
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus, FittedParameter
 from ropefric.friction.condition import SETTINGS
 from ropefric.friction.laws import ALL_LAWS
@@ -29,11 +27,6 @@ MOST_BYTES = 256 * 2**20
 """A fit of a million conditions is smaller."""
 
 _FAMILY, _VERSION = SCHEMA.split("/")
-_FIELDS = {
-    str: ("text", ("law", "covariance_kind", "status")),
-    dict: ("object", ("parameters", "statistics", "identifiability", "validity", "provenance", "trials")),
-    list: ("list", ("parameter_order", "covariance", "advice", "notes")),
-}
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
 _PARTS = ("input", "settings", "versions")
 _ROUNDING = 1e-9
@@ -156,10 +149,10 @@ def _no_number(word: str) -> None:
 
 
 def _check_tree(tree: Any, shown: str) -> None:
-    """Refuse a tree of an unknown schema or law, or one that lacks a field."""
+    """Refuse a tree of an unknown schema or law."""
 
-    def refuse(message: str, key: str, fix: str, code: str = "RF430") -> DataError:
-        return DataError(message, code=code, path=shown, key=key, fix=fix)
+    def refuse(message: str, key: str, fix: str) -> DataError:
+        return DataError(message, code="RF430", path=shown, key=key, fix=fix)
 
     schema = tree.get("schema") if isinstance(tree, dict) else None
     family, _, number = str(schema).partition("/")
@@ -170,12 +163,7 @@ def _check_tree(tree: Any, shown: str) -> None:
         found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
         message = f"this is no stored fit: {found}, not {SCHEMA!r}"
         raise refuse(message, "schema", "give a file that save_fit or `ropefric fit` wrote")
-    for kind, (word, names) in _FIELDS.items():
-        for name in names:
-            if not isinstance(tree.get(name), kind):
-                what = f"no {word}" if name in tree else "missing, which every stored fit has"
-                raise refuse(f"the field is {what}", name, _AGAIN, "RF431")
-    law = tree["law"]
+    law = str(tree.get("law"))
     if law not in ALL_LAWS:
         message, fix = f"the friction law {law[:60]!r} is not known", did_you_mean(law, ALL_LAWS)
         if declared := _declared_by(tree, law):
@@ -198,7 +186,7 @@ def _declared_by(tree: Mapping[str, Any], law: str) -> tuple[str, str] | None:
 
 
 def _fault(fit: FitResult) -> str:
-    """Return the first thing that no fit can be like, in words; empty for a sound one.
+    """Return the first part that no fit can have, in words; empty for a sound one.
 
     A file may be cut, merged or edited by hand, and a prediction from it would look like any other.
     """
@@ -206,100 +194,85 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        std = np.sqrt(np.diag(fit.covariance))
-        checks = chain(
-            *(_checks_of_parameter(fit, item) for item in fit.parameters),
-            _checks_of_covariance(fit, std),
-            _checks_of_common_errors(fit, std),
-            _checks_of_statistics(fit),
-            _checks_of_words(fit),
-        )
-        return next((text for wrong, text in checks if wrong), "") or _fault_of_scatter(fit)
+        sound = {
+            "parameters": all(_is_sound(fit, item) for item in fit.parameters),
+            "covariance": _has_covariance(fit),
+            "statistics": _has_statistics(fit),
+            "common_errors": _has_common_errors(fit),
+            "scatter": _has_scatter(fit),
+            "status, advice or provenance": _has_words(fit),
+        }
+    return next((f"its {name} are none that a fit can have" for name, fine in sound.items() if not fine), "")
 
 
-def _fault_of_scatter(fit: FitResult) -> str:
-    """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
-    model, text = fit.scatter, "its scatter is none that its data could have"
+def _is_sound(fit: FitResult, item: FittedParameter) -> bool:
+    """Return whether a parameter lies within its bounds, has an error, and an interval about it."""
+    value, (low, high), slack = item.value, item.ci95, _ROUNDING * abs(item.value)
+    known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
+    # An interval from the covariance lies about the estimate, one by profile need not; on a bound there is none.
+    around = "intervals" in fit.provenance or low - slack <= value <= high + slack
+    none = item.at_bound or (fit.statistics.interval_dof == 0.0 and isnan(low) and isnan(high))
+    return (
+        isfinite(value) and item.lower <= value <= item.upper and known and (none or (low <= high and around))
+    )
+
+
+def _has_covariance(fit: FitResult) -> bool:
+    """Return whether the covariance is one, and the errors of the parameters and in common are its own."""
+    covariance, std = fit.covariance, np.sqrt(np.diag(fit.covariance))
+    errors = np.array([item.std for item in fit.parameters])
+    return bool(
+        np.isfinite(covariance).all()
+        and np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
+        and (np.abs(covariance) <= np.outer(std, std) * (1.0 + _ROUNDING)).all()
+        and np.isclose(errors, std, rtol=1e-6, atol=0.0)[np.isfinite(errors)].all()
+    )
+
+
+def _has_common_errors(fit: FitResult) -> bool:
+    """Return whether the errors that trials share are numbers, and part of the covariance."""
+    p, std = len(fit.parameters), np.sqrt(np.diag(fit.covariance))
+    for item in fit.common_errors:
+        named = type(item.name) is type(item.unit) is str
+        if not (named and 0.0 < item.std < inf and len(item.change) == p and np.isfinite(item.change).all()):
+            return False
+    return bool((np.sqrt((fit.common_changes**2).sum(axis=1)) <= std * (1.0 + _ROUNDING)).all())
+
+
+def _has_statistics(fit: FitResult) -> bool:
+    """Return whether the counts, sums and ranges are possible."""
+    found, ranges = fit.statistics, [fit.validity.get(name, (1.0, 0.0)) for name in REGRESSORS]
+    counts = all(isinstance(count, int) for count in (found.n, found.n_conditions, found.dof))
+    possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n and 0.0 <= found.chi2 < inf
+    negative = any(x < 0.0 for x in (found.scatter_within, found.scatter_between, found.interval_dof))
+    return counts and possible and not negative and all(0.0 <= low <= high < inf for low, high in ranges)
+
+
+def _has_scatter(fit: FitResult) -> bool:
+    """Return whether scatter and data of a fit belong together, or it has none."""
+    model = fit.scatter
     arrays: tuple[FloatArray, ...] = (model.variance, model.covariance, model.slopes)
     sizes = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
     names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if sizes else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
     known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
     if not known or (np.diag(model.covariance) < 0.0).any():
-        return text
+        return False
     try:
         weighted = fit.weighted()
     except (ValueError, IndexError, KeyError, RopefricError):
-        return text
+        return False
     weight = np.ones(1) if weighted is None else weighted.std if weighted.root is None else weighted.root
-    return "" if np.isfinite(weight).all() else text
+    return bool(np.isfinite(weight).all())
 
 
-def _checks_of_parameter(fit: FitResult, item: FittedParameter) -> Iterator[tuple[bool, str]]:
-    """Yield possible faults of a parameter: whether it has one, and its words."""
-    name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
-    outside = not (isfinite(value) and item.lower <= value <= item.upper)
-    yield outside, f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}"
-    known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
-    yield not known, f"the standard error of {name} is {item.std:g}"
-    none = item.at_bound or (fit.statistics.interval_dof == 0.0 and isnan(low) and isnan(high))
-    # An interval from the covariance lies about the estimate, one by profile need not; on a bound there is none.
-    around = "intervals" in fit.provenance or low - slack <= value <= high + slack
-    wrong = not (none or (low <= high and around))
-    yield wrong, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
-
-
-def _checks_of_covariance(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
-    covariance = fit.covariance
-    yield not np.isfinite(covariance).all(), "the covariance is not finite"
-    yield bool((np.diag(covariance) < 0.0).any()), "the covariance has a negative variance"
-    symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
-    yield not symmetric, "the covariance is not symmetric"
-    beyond = np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)
-    yield bool(beyond.any()), "the covariance has a correlation above 1"
-    for item, own in zip(fit.parameters, std, strict=True):
-        unlike = isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0)
-        yield unlike, f"the standard error of {item.name} is not that of the covariance"
-
-
-def _checks_of_statistics(fit: FitResult) -> Iterator[tuple[bool, str]]:
-    found = fit.statistics
-    for name in ("n", "n_conditions", "dof"):
-        yield not isinstance(getattr(found, name), int), f"statistics.{name} is no whole number"
-    possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n
-    trials = f"{found.n} trials of {found.n_conditions} conditions"
-    yield not possible, f"{trials} with {found.dof} degrees of freedom"
-    yield not (isfinite(found.chi2) and found.chi2 >= 0.0), f"chi2 is {found.chi2:g}"
-    for name in ("scatter_within", "scatter_between", "interval_dof"):
-        yield getattr(found, name) < 0.0, f"statistics.{name} is {getattr(found, name):g}, negative"
-    for name in REGRESSORS:
-        low, high = fit.validity.get(name, (1.0, 0.0))
-        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
-
-
-def _checks_of_common_errors(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
-    """Yield possible faults of the errors that trials share; they are part of the covariance."""
-    for place, item in enumerate(fit.common_errors):
-        name = f"common_errors[{place}]"
-        yield not (type(item.name) is type(item.unit) is str), f"{name} has no name or unit"
-        yield not 0.0 < item.std < inf, f"the std of {name} is {item.std!r:.40}"
-        wrong = len(item.change) != std.size or not np.isfinite(item.change).all()
-        yield wrong, f"the change of {name} is not a number for each parameter"
-    if fit.common_errors:
-        beyond = np.sqrt((fit.common_changes**2).sum(axis=1)) > std * (1.0 + _ROUNDING)
-        yield bool(beyond.any()), "common_errors say more than the covariance holds"
-
-
-def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:
-    for name in _PARTS:
-        yield not isinstance(fit.provenance.get(name, {}), Mapping), f"provenance.{name} is no object"
-    ok, on_bound = fit.status is FitStatus.OK, any(item.at_bound for item in fit.parameters)
-    yield ok and on_bound, "the status is ok, but a parameter lies on its bound"
-    unknown, found_dof = not all(isfinite(item.std) for item in fit.parameters), fit.statistics.interval_dof
-    yield ok and unknown and found_dof != 0.0, "the status is ok, but a parameter has no standard error"
-    yield not (ok or fit.advice), f"the status is {fit.status}, but there is no advice"
-    for text in (*fit.advice, *fit.notes):
-        yield type(text) is not str, f"{text!r:.40} is no advice"
+def _has_words(fit: FitResult) -> bool:
+    """Return whether status, advice and notes are words that belong together, and the provenance a tree."""
+    trees = all(isinstance(fit.provenance.get(name, {}), Mapping) for name in _PARTS)
+    known = all(isfinite(item.std) for item in fit.parameters) or fit.statistics.interval_dof == 0.0
+    fine = known and not any(item.at_bound for item in fit.parameters)
+    right = fine if fit.status is FitStatus.OK else bool(fit.advice)
+    return trees and right and all(type(text) is str for text in (*fit.advice, *fit.notes))
 
 
 # ---- stored fits made again from their data ----
@@ -340,7 +313,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
     except RopefricError as error:
         message = str(error)
     except Exception as error:  # noqa: BLE001  (one bad file must not hide the others)
-        message = f"the fit cannot be made again: {type(error).__name__}: {error}"[:300]
+        message = f"the fit cannot be made again, its settings or data are damaged: {error}"[:300]
     else:
         difference = _difference(stored, again)
         ok = difference <= _MOST and stored.status == again.status
@@ -357,21 +330,13 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
     if "sha256" not in source:
         text = "the fit names no data file, so it cannot be made again"
         raise DataError(text, code="RF432", fix="fit a CSV trial table and save the result")
-    if not isinstance(path, str) or not isinstance(sha256, str):
-        raise _damaged("provenance.input")
-    data = folder / path
+    data = folder / str(path)
     if not kind_of_file(data):
         raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
     if hash_file(data) != sha256:
         text = "the data file has changed since the fit was made"
         raise DataError(text, code="RF432", path=data, fix="fit again")
-    try:
-        settings = _settings_of(stored)
-        check_settings(FitSettings(**settings), stored.friction_law)
-    except RopefricError:
-        raise
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
-        raise _damaged("provenance.settings") from None
+    settings = _settings_of(stored)
     return fit_law(read_trial_table(data), stored.law, **settings)
 
 
@@ -389,11 +354,6 @@ def _settings_of(stored: FitResult) -> dict[str, Any]:
 def _end(value: Any, gone: float) -> float:
     """Return an end of bounds, which a file has as nothing where it is infinite."""
     return gone if value is None else float(value)
-
-
-def _damaged(key: str) -> DataError:
-    text = "the field is damaged, so the fit cannot be made again"
-    return DataError(text, code="RF431", key=key, fix="fit again")
 
 
 def _difference(stored: FitResult, again: FitResult) -> float:

@@ -12,7 +12,6 @@ from pulled import grid, table_at
 from scipy import optimize
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting import problem as problems
 from ropefric.fitting.fit import fit_law
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
@@ -147,15 +146,6 @@ def test_the_bench_is_determined_well_enough_to_be_trusted():
         assert abs(item.value - true) < 4 * item.std
         assert item.std < 0.1 * abs(true)
     assert fit.validity["end_tension_N"] == (5.0, 200.0)
-
-
-def test_a_law_is_searched_for_on_the_conditions_of_a_large_table(monkeypatch):
-    """The sums of squares of a condition are those of its mean but for a constant."""
-    sizes, evaluate = set(), problems.Reduced.evaluate
-    monkeypatch.setattr(problems.Reduced, "evaluate", lambda self,
-        *args: (sizes.add(len(self.conditions)) or evaluate(self, *args)))  # fmt: skip
-    found = fit_law(table_of("wrap-power", [0.2, -0.5, 0.1], repeats=400), "wrap-power")
-    assert (sizes, found.statistics.n) == ({18}, 7200)
 
 
 def test_copies_of_a_trial_say_nothing_of_how_repeats_scatter():

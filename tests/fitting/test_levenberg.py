@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from ropefric.fitting.fit import guess
-from ropefric.fitting.problem import batched_fit, bounded_steps, reduced
+from ropefric.fitting.problem import batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 
@@ -31,15 +31,15 @@ def scipy_fit(problem, log_lift, start):
     return whole(found.x), 2 * found.cost
 
 
-def test_hundreds_of_resamples_agree_with_scipy(bench_problem):
+def test_many_resamples_agree_with_scipy(bench_problem):
     for law in ALL_LAWS.values():
         problem = bench_problem(law, std=0.005)
         rng = np.random.default_rng(5)
-        data = problem.log_lift + 0.005 * rng.standard_normal((200, problem.n_points))
+        data = problem.log_lift + 0.005 * rng.standard_normal((60, problem.n_points))
         fit = batched_fit(problem, data)
         assert fit.converged.all()
         free = problem.vary
-        for i in range(0, 200, 50):
+        for i in range(0, 60, 20):
             theta, chi2 = scipy_fit(problem, data[i], fit.theta[i])
             assert fit.chi2[i] <= chi2 * (1 + 1e-12)
             inside = (fit.theta[i] > problem.lower) & (fit.theta[i] < problem.upper) & free
@@ -68,21 +68,6 @@ def test_clean_data_give_the_truth_from_the_guess(bench_problem):
         assert fit.converged.all()
         assert np.allclose(fit.theta[0], truth, rtol=1e-8, atol=1e-10)
         assert fit.chi2[0] < 1e-16
-
-
-def test_repeats_are_summed_exactly(bench_problem):
-    law = LAWS["wrap-power"]
-    problem = bench_problem(law, repeats=5, std=0.02)
-    rng = np.random.default_rng(2)
-    counts = rng.integers(0, 4, (3, problem.n_points)).astype(float)
-    std = rng.uniform(0.01, 0.03, problem.n_points)
-    problem = replace(problem, std=std)
-    data = problem.log_lift + 0.01 * rng.standard_normal((3, problem.n_points))
-    short = reduced(problem, data, counts)
-    assert short.weight.shape == (3, 64)
-    theta = problem.start * [[1.0], [0.9], [1.1]]
-    long = (counts * ((law.log_lift(theta, problem.conditions) - data) / std) ** 2).sum(axis=1)
-    assert np.allclose(short.chi2(theta, np.arange(3)), long, rtol=1e-12)
 
 
 def test_multiplicity_zero_is_absence(bench_problem):
@@ -179,18 +164,3 @@ def test_giving_up_is_flagged(bench_problem):
     fit = batched_fit(problem, starts=[1.0, -5.0, -3.0, -0.9, 1.0], max_iterations=2)
     assert not fit.converged[0]
     assert fit.n_iterations == 2
-
-
-def test_a_bounded_step_is_the_minimum_of_its_box():
-    """Against a dense search of the box."""
-    rng = np.random.default_rng(3)
-    J, r = rng.standard_normal((20, 6, 2)) * [1.0, 1e3], rng.standard_normal((20, 6))
-    low, high = np.array([-0.2, -1e-4]), np.array([0.1, 3e-4])
-    step, _ = bounded_steps(np.einsum("mni,mnj->mij", J, J), -np.einsum("mni,mn->mi", J, r),
-        curvature=np.zeros((20, 2, 2)), low=np.tile(low, (20, 1)), high=np.tile(high, (20, 1)),
-        vary=np.ones((20, 2), bool), damping=np.zeros(20))  # fmt: skip
-    grid = np.stack(np.meshgrid(*(np.linspace(a, b, 121) for a, b in zip(low, high, strict=True))), -1)
-    for i in range(20):
-        reached = ((J[i] @ step[i] + r[i]) ** 2).sum()
-        best = ((grid @ J[i].T + r[i]) ** 2).sum(axis=-1).min()
-        assert reached <= best + 1e-9

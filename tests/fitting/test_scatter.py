@@ -94,10 +94,6 @@ def test_mixed_model_of_statsmodels():
 
 # By seed: slope, variances of its change by rope and by wheel, those by condition and by pull, error of the slope.
 DRAWN = {
-    1: (0.19890318891317657, 2.5006337516715423e-05, 5.8814164670000024e-05, 7.091960768359794e-05,
-        0.00037364312259445065, 0.00439545205837617),
-    2: (0.1952779965899222, 2.0484632888076082e-05, 9.715739822322366e-05, 0.000314713013212583,
-        0.0003131965116191024, 0.005378814623771088),
     3: (0.19143711487781806, 0.00012138586672927191, 4.6805343590384405e-05, 0.00034161682750707983,
         0.0004743594888504092, 0.005775468648093575),
 }  # fmt: skip
@@ -230,7 +226,7 @@ def test_ropes_that_happen_to_be_alike_may_still_differ(alike):
     pytest.param((1, 1, 1, 1, 1, 1), 0.02, marks=pytest.mark.slow), ((1, 9, 2, 7, 1, 5), 0.02)])  # fmt: skip
 def test_intervals_hold_the_truth_in_95_of_100(sizes, between):
     """A simulation that shares no code with the estimate but the estimate itself."""
-    rng, n, inside = np.random.default_rng(11), 120, 0
+    rng, n, inside = np.random.default_rng(11), 60, 0
     group = np.repeat(np.arange(6), sizes)
     for _ in range(n):
         rise = 0.2 * WRAPS[group] + between * rng.normal(size=6)[group] + 0.02 * rng.normal(size=group.size)
@@ -478,7 +474,7 @@ def test_exact_data_give_no_interval(law):
     trials = table(y, wraps=np.tile(WRAPS, 6), wheel_m=wheels_m, end_N=loads_N)
     fit = fit_law(trials, law)
     found = predict(fit, wheel())
-    assert (found.lift_force_N[0], found.dof[0]) == (pytest.approx(20 * math.exp(1.0), rel=1e-6), 0.0)
+    assert (found.lift_force_N[0], found.dof[0]) == (pytest.approx(20 * math.exp(1.0), rel=1e-5), 0.0)
     assert np.isnan([*found.interval_N[0], *found.prediction_interval_N[0], found.std_N[0]]).all()
     assert all(np.isnan(item.ci95).all() for item in fit.parameters if item.vary)
 

@@ -93,7 +93,7 @@ def test_one_radius_does_not_show_the_size_effect():
 
 def test_one_wrap_does_not_show_an_offset():
     fit = fit_law(pulled("constant", [0.2], radii=(0.02, 0.04, 0.08), loads=(5, 20, 80)), "constant-offset")
-    assert (fit.status, fit.identifiability.worst_pair) == ("unidentifiable", ("mu", "k"))
+    assert fit.status == "unidentifiable"
     assert all(one in fit.advice[0] for one in ("mu and k", "only one wrap angle (343.8 deg)"))
     assert fit.identifiability.weak_direction in {"mu up while k down", "k up while mu down"}
 

@@ -74,15 +74,6 @@ def test_integrals_agree_with_quadrature(p, delta, b, rate):
     assert found == pytest.approx(exponential, rel=1e-9)
 
 
-@settings(deadline=None, max_examples=50)
-@given(a=st.floats(0.01, 1), b=st.floats(-0.99, 0), wrap=st.floats(0.01, 50), cut=st.floats(0.05, 0.95))
-def test_two_stretches_make_one(a, b, wrap, cut):
-    first, rest = cut * wrap, (1 - cut) * wrap
-    whole = integral.power_integral(wrap, a, b)
-    parts = integral.power_integral(first, a, b) + integral.power_integral(rest, a, b, start_rad=first)
-    assert float(parts) == pytest.approx(float(whole), rel=1e-12)
-
-
 def test_zero_wrap_adds_nothing():
     assert float(integral.power_integral(0.0, 0.2, -0.5, 0.1)) == 0.0
     assert lift("wrap-power", [0.2, -0.5, 0.1], 0.0, 20) == math.log(20.0)

@@ -38,13 +38,6 @@ def test_limits_are_eulers_equation():
         np.testing.assert_allclose(found, EULER, rtol=1e-13, err_msg=f"{name} {theta}")
 
 
-def test_coupled_without_size_is_wrap_power(plan):
-    coupled, wrap = LAWS["coupled"], LAWS["wrap-power"]
-    for theta in ([0.2, -0.5, 0.1], [0.3, -0.999, 0.01], [0.3, 0.0, 0.0]):
-        sized = [theta[0], -1.0, -60.0, *theta[1:]]
-        assert np.allclose(coupled.log_lift(sized, plan), wrap.log_lift(theta, plan), rtol=1e-14)
-
-
 def test_coupled_agrees_with_root_finding_and_quadrature():
     mu_inf, a, b, c, d = theta = [0.2, -0.2, -0.3, -0.4, 0.05]
     rng = np.random.default_rng(11)
@@ -58,18 +51,6 @@ def test_coupled_agrees_with_root_finding_and_quadrature():
         mu = lambda angle, strength=strength: strength * angle**c + d  # noqa: E731
         start = brentq(lambda angle, mu=mu, y=y: quad(mu, 0, angle)[0] - y, 1e-9, 200)
         assert found[i] == pytest.approx(y + quad(mu, start, start + wrap_rad)[0], rel=1e-9)
-
-
-def test_coupled_without_wrap_is_size_exponential(plan):
-    answer = LAWS["coupled"].log_lift([0.2, -0.1, -0.3, 0.0, 0.0], plan)
-    assert np.allclose(answer, LAWS["size-exponential"].log_lift([0.2, -0.1, -0.3], plan), rtol=1e-14)
-
-
-def test_vanishing_wheel_has_no_friction_at_b_zero():
-    tiny = pulls(wheel_radius_m=1e-14)
-    r = tiny.size_ratio[0]
-    rise = LAWS["size-exponential"].average_mu([0.2, -0.5, 0.0], tiny)
-    assert np.allclose(rise, 0.2 * 0.5 * r, rtol=1e-11)
 
 
 def test_thickness_numbers_on_paper():
@@ -88,11 +69,6 @@ def test_thickness_has_eq_3_as_its_leading_order():
     small = 1e-4
     leading = LAWS["size-power"].log_lift([small, 1.0, 0.0], wheels)
     assert np.allclose(LAWS["thickness"].log_lift([small], wheels), leading, rtol=1e-9)
-
-
-def test_wrap_power_numbers_on_paper():
-    answer = LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], pulls(wrap_angle_rad=10.0))
-    assert answer[0] == pytest.approx(4.4507, abs=5e-5)
 
 
 def test_offset_model_is_wrap_power_at_minus_one_in_the_average():
@@ -115,7 +91,7 @@ def test_end_tension_is_wrap_in_disguise(law_name):
     )
 
 
-@pytest.mark.parametrize("n", [0.0, 0.4, 0.9, 1.0 - 1e-9, 1.05])
+@pytest.mark.parametrize("n", [0.0, 0.9, 1.05])
 def test_howell_solves_its_differential_equation(n):
     # dT = A N^n R dφ with N = T/R, R the centreline radius
     R, A = 0.045, 0.3 * (20 / 0.045) ** (1 - n)
@@ -134,7 +110,7 @@ def test_howell_shows_all_three_trends():
     assert base[0] > base[1] > base[2]
 
 
-@pytest.mark.parametrize("rigidity", [1e-6, 1e-4, 5e-3])
+@pytest.mark.parametrize("rigidity", [1e-6, 5e-3])
 def test_bending_fulfils_its_equation(rigidity):
     mu, conditions = 0.25, pulls(wrap_angle_rad=[2.0, 6.0, 20.0])
     E = rigidity / (2 * 0.045**2)

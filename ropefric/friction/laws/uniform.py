@@ -249,14 +249,6 @@ def _parts(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
     return mu, A, B, np.sqrt(1.0 + 4.0 * A * B * mu**2)
 
 
-def _thickness_by_hand(sheet: Sheet) -> float:
-    if sheet["mu"] <= 0.0:
-        return mu_times_wrap()(sheet)
-    # The rationalised form: (S − 1)/(2 A mu) would lose the digits of the printed S.
-    lines = ("A", "R_r/(R_w + R_r)"), ("S", "sqrt(1 + 4 * A * mu^2 * (1 - A))")
-    return mu_times_wrap(*lines, ("lambda", "2 * mu * (1 - A)/(1 + S)", "mu"))(sheet)
-
-
 THICKNESS = FrictionLaw(
     name="thickness",
     equation="lambda = (-1 + sqrt(1 + 4 A mu^2 (1 - A)))/(2 A mu), A = R_r/(R_w + R_r); F_A = F_B exp(lambda phi)",
@@ -270,7 +262,10 @@ THICKNESS = FrictionLaw(
     weakens=True,
     physics=Thickness(),
     candidates=lambda mu, _at, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
-    arithmetic=_thickness_by_hand,
+    # The rationalised form: (S − 1)/(2 A mu) would lose the digits of the printed S.
+    arithmetic=mu_times_wrap(
+        ("A", "R_r/(R_w + R_r)"), ("S", "sqrt(1 + 4 * A * mu^2 * (1 - A))"), ("lambda", "2 * mu * (1 - A)/(1 + S)", "mu")
+    ),
 )  # fmt: skip
 
 

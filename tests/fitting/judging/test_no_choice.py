@@ -37,7 +37,6 @@ def test_a_law_that_stands_alone_has_no_weight(four_with_an_offset):
     assert tests["constant", "constant-offset"] < 0.01
     text = " ".join(four_with_an_offset.notes)
     assert "only constant could be ranked on 4 conditions" in text
-    assert "an F-test rejects constant: constant-offset" in text
 
 
 @pytest.mark.parametrize(("n", "conclusive"), [(5, False), (6, True)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError, SolverError
-from ropefric.systems.press.transient.integrators import rk4_limit_s
+from ropefric.accuracy.studies.press_transient import rk4_limit_s
+from ropefric.errors import SolverError
 from ropefric.systems.press.transient.motion import MOVING
 
 TIMES_S = np.linspace(0.0, 1.5, 16)
@@ -54,7 +54,7 @@ def test_rk4_is_stable_below_its_limit_and_not_above(kit, EA_N, eta_s):
 
     assert growth(0.999 * limit) <= 1.0 + 1e-12
     assert growth(1.001 * limit) > 1.0 + 1e-4
-    with pytest.raises(SolverError, match=f"{limit:.6g} s for this press"):
+    with pytest.raises(SolverError, match=f"{limit:.6g} s"):
         kit.solve(problem, [1.0], "rk4", step_s=1.001 * limit)
 
 
@@ -100,11 +100,3 @@ def test_the_stiff_case_needs_no_tuning(kit, name):
     np.testing.assert_allclose(
         (w @ problem.motion.tension_N.T)[2:], (wanted @ problem.motion.tension_N.T)[2:], rtol=1e-4
     )
-
-
-def test_bad_settings_are_refused(kit, case):
-    problem, _ = case
-    with pytest.raises(InputError, match="tolerance"):
-        kit.solve(problem, [1.0], "radau", tolerance=0.0)
-    with pytest.raises(SolverError, match="limit of stability"):
-        kit.solve(problem, [1.0], "rk4", step_s=-1.0)

@@ -21,8 +21,8 @@ from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Axis as SweepAxis
 from ropefric.scenes.sweep import Sweep
-from ropefric.systems.bandsaw.resonance import Excitation, SawChart
-from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.bandsaw.resonance import SawChart
+from ropefric.systems.bandsaw.saw import Excitation, Side
 from ropefric.systems.press.transient.start_up import StartUp
 
 _MOST_LINES = 6
@@ -368,8 +368,8 @@ def draw_saw_chart(chart: SawChart) -> FigureWithData:
         written = _draw_modes(axes, chart, top_Hz)
         for excitation, dashes in zip(chart.excitations, cycle(_SHAKES), strict=False):
             _draw_excitation(axes, excitation, chart, dashes, top_Hz)
-        if chart.saw.speed_m_s > 0.0:
-            axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
+        if chart.work_m_s > 0.0:
+            axes.axvline(chart.work_m_s, color="black", linewidth=1.2, label="speed at work")
         _draw_crossings(axes, chart, top_Hz, written)
         style.legend_below(axes, columns=4)
     rows = [

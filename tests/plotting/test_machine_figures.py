@@ -18,8 +18,9 @@ from ropefric.plotting.design import draw_design_chart
 from ropefric.plotting.figure import figure_files, new_figure
 from ropefric.plotting.machines import draw_press_start_up, draw_saw_chart, draw_sweep, name_lines
 from ropefric.scenes.sweep import Axis, Sweep
+from ropefric.systems.bandsaw.answer import SawProblem, frequencies_Hz
 from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up
@@ -107,8 +108,8 @@ def test_names_never_touch_and_keep_their_order():
 
 # The Campbell chart of a saw.
 
-SAW = Saw(
-    free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
+SAW = SawProblem(
+    n_modes=2, free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95,
 )  # fmt: skip
 SPEEDS = np.linspace(0.0, 60.0, 25)

@@ -232,7 +232,6 @@ def _draw_wheel(
 
 _LEFT_BEHIND = 0.02
 """A roller whose rim differs from the drive by this share of its highest speed at the end is drawn by itself."""
-_FLOOR = 1e-16
 
 
 def _same_lines(names: Iterable[str], lines: FloatArray) -> dict[str, FloatArray]:
@@ -267,14 +266,13 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     """Return the figure of a start-up.
 
     From above: the tension of every span; the rim speed of every roller; when the belt slips on which roller, forward
-    (it runs ahead, as on a driven roller) or backward (it lags, as on a driver); what does not add up in the energy
-    balance, against the greatest of its parts.
+    (it runs ahead, as on a driven roller) or backward (it lags, as on a driver).
     """
     spans, rollers = ([part.name for part in parts] for parts in (found.press.spans, found.press.rollers))
     rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
     margins = {"left": 0.13, "right": 0.84, "top": 0.96, "bottom": 0.05, "hspace": 0.16}
-    rows: dict[str, Any] = {"nrows": 4, "sharex": True, "height_ratios": [3.2, 2.0, 1.2, 1.0]}
-    with drawing(9.0, 11.0, margins=margins, **rows) as (figure, (tension, speed, slip, energy)):
+    rows: dict[str, Any] = {"nrows": 3, "sharex": True, "height_ratios": [3.2, 2.0, 1.2]}
+    with drawing(9.0, 9.6, margins=margins, **rows) as (figure, (tension, speed, slip)):
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
         lines = _same_lines((f"T_{name}" for name in spans), found.tension_N.T)
@@ -284,14 +282,12 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
         name_lines(tension, [(name, float(line[-1])) for name, line in lines.items()])
         _draw_speeds(speed, found, rims_m_s)
         _draw_slips(slip, found)
-        residual = np.abs(found.energy.residual) / (float(np.abs(found.energy.drive).max()) or 1.0)
-        energy.semilogy(found.time_s, np.maximum(residual, _FLOOR), color=style.GREY, linewidth=1.0)
-        energy.set(xlabel="Time t [s]", ylabel="Energy residual [-]")
+        slip.set_xlabel("Time t [s]")
         figure.align_ylabels()
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
     columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
-    histories = DataTable(columns | {"energy_residual_J": found.energy.residual})
+    histories = DataTable(columns)
     first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
     ones = ", ".join(f"roller {name} from {first[name]:.3g} s" for name in _slipped(found))
     alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
@@ -343,9 +339,6 @@ _CROSSING = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_H
 
 _LOOK = {Side.TIGHT: (style.BLUE, "-"), Side.SLACK: (style.ORANGE, "--")}
 _SHAKES = ((0, (1, 1)), (0, (4, 2, 1, 2)), (0, (6, 2)), (0, (3, 1, 1, 1, 1, 1)))
-# A written margin takes so much of the chart's width and height.
-_LABEL_WIDTH, _LABEL_HEIGHT = 0.066, 0.032
-_LABEL_OFFSET = 0.03
 _MODE_LABELS_AT = 0.12
 _BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
 
@@ -353,24 +346,23 @@ _BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 
 def draw_saw_chart(chart: SawChart) -> FigureWithData:
     """Return a Campbell chart: frequencies of the modes of both sides over the blade's speed, and the excitations.
 
-    Where a mode meets an excitation there is a circle; the number beside it says by how much the speed at work would
-    have to change to get there. Where circles crowd, the numbers nearest to the speed at work are written; the
-    table has all.
+    Where a mode meets an excitation there is a circle; the table says by how much the speed at work would have to
+    change to get there.
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])
     with drawing(9.0, 6.5) as (figure, axes):
         axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
         axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
-        axes.set_title(
-            "Modes of the blade and what excites them; circles: resonance, at this change of speed", pad=18.0
-        )
-        written = _draw_modes(axes, chart, top_Hz)
+        axes.set_title("Modes of the blade and what excites them; circles: resonance", pad=18.0)
+        _draw_modes(axes, chart)
         for excitation, dashes in zip(chart.excitations, cycle(_SHAKES), strict=False):
             _draw_excitation(axes, excitation, chart, dashes, top_Hz)
         if chart.work_m_s > 0.0:
             axes.axvline(chart.work_m_s, color="black", linewidth=1.2, label="speed at work")
-        _draw_crossings(axes, chart, top_Hz, written)
+        for one in chart.crossings:
+            ring: dict[str, Any] = {"markeredgecolor": _LOOK[one.side][0], "markerfacecolor": "none"}
+            axes.plot(one.speed_m_s, one.frequency_Hz, "o", markersize=6.0, markeredgewidth=1.3, **ring)
         style.legend_below(axes, columns=4)
     rows = [
         (str(side), mode, *point)
@@ -385,9 +377,9 @@ def draw_saw_chart(chart: SawChart) -> FigureWithData:
     return FigureWithData(figure, (modes, DataTable(crossings, "crossings")))
 
 
-def _draw_modes(axes: Axes, chart: SawChart, top_Hz: float) -> list[tuple[float, float]]:
-    """Draw the modes, and write their numbers; return where these stand, in parts of the chart's width and height."""
-    speeds, written = chart.speed_m_s, []
+def _draw_modes(axes: Axes, chart: SawChart) -> None:
+    """Draw the modes, and write their numbers."""
+    speeds = chart.speed_m_s
     case = int(np.searchsorted(speeds, float(speeds[0]) + _MODE_LABELS_AT * float(np.ptp(speeds))))
     for side, frequencies in chart.mode_Hz.items():
         color, dashes = _LOOK[side]
@@ -396,8 +388,6 @@ def _draw_modes(axes: Axes, chart: SawChart, top_Hz: float) -> list[tuple[float,
             if side is Side.SLACK:
                 point = (float(speeds[case]), float(values[case]))
                 style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
-                written.append((_MODE_LABELS_AT, point[1] / top_Hz - _LABEL_OFFSET))
-    return written
 
 
 def _draw_excitation(
@@ -417,27 +407,6 @@ def _draw_excitation(
         point = (float(np.interp(top_Hz, values, chart.speed_m_s)), min(float(values[-1]), top_Hz))
         where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
         style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
-
-
-def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tuple[float, float]]) -> None:
-    """Draw the crossings as circles, and write the margins that do not overlap earlier words, `written`."""
-    slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
-    for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
-        color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)
-        ring: dict[str, Any] = {"markersize": 6.0, "markerfacecolor": "none", "markeredgewidth": 1.3}
-        axes.plot(*point, "o", markeredgecolor=color, **ring)
-        up = 1.0 if crossing.side is Side.TIGHT else -1.0
-        x = (crossing.speed_m_s - slowest_m_s) / span_m_s
-        y = crossing.frequency_Hz / top_Hz + up * _LABEL_OFFSET
-        crowded = any(
-            abs(x - other) < _LABEL_WIDTH and abs(y - there) < _LABEL_HEIGHT for other, there in written
-        )
-        outside = y < 0.5 * _LABEL_HEIGHT or x < 0.5 * _LABEL_WIDTH
-        if not (crowded or outside) and math.isfinite(crossing.speed_margin):
-            written.append((x, y))
-            words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
-            look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
-            style.note_at(axes, words, point, up=6.0 * up, color=color, **look)
 
 
 _DRAWN: dict[str, Callable[[Any], FigureWithData]] = {

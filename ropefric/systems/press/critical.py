@@ -30,6 +30,8 @@ _OTHER = {"falls": "rises", "rises": "falls"}
 _PLACES = np.concatenate([np.linspace(0.0, 1.0, 129)[:-1], 1.0 - 0.5 ** np.arange(8.0, 41.0)])
 """Where the reserve of friction is looked at on the way from today to the end."""
 _AT_ONCE = 16
+_LARGEST = 700.0
+"""Exponent beyond which e^M is no float: the belt is as good as tied to the roller."""
 
 
 class Critical(NamedTuple):
@@ -75,7 +77,7 @@ class _Way(NamedTuple):
         lost = np.isnan(tension_N).any(axis=-1, keepdims=True)
         there = contacts_of(press, np.where(lost, 1.0, tension_N))
         exponent = grip * there.exponent(self.friction, self.regressors)
-        left_N = there.slack_N * np.expm1(exponent) - there.pull_N
+        left_N = there.slack_N * np.expm1(np.minimum(exponent, _LARGEST)) - there.pull_N
         here, more = (contacts_of(press, one) for one in (self.linear_N, self.slope))
         idle = here.pull_N <= NO_TORQUE * np.maximum(here.upstream_N, here.downstream_N)
         idle &= more.pull_N <= NO_TORQUE * (np.abs(more.upstream_N) + np.abs(more.downstream_N))

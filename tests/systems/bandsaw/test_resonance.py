@@ -113,37 +113,6 @@ def test_what_cannot_be_had_is_refused_with_the_best_there_is(saw):
     assert found.margin == pytest.approx(nearest(saw, excitations, found.preload_N, 3), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))])
-def test_what_resonates_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffness, seed):
-    """Margins, crossings near the speed at work and the preload, against frequencies at twelve digits on grids."""
-    rng = np.random.default_rng([7, seed])
-    stiff = replace(saw, bending_stiffness_N_m2=stiffness * 10.0 ** rng.uniform(-1.0, 1.0),
-                    mounting_factor=float(rng.uniform()), preload_N=float(rng.uniform(2600.0, 5000.0)))  # fmt: skip
-    own_Hz = float(frequencies_Hz(stiff, S, 2, accuracy=1e-12)[0, 1])
-    shakes = (fixed_frequency("near", own_Hz * (1.0 + 10.0 ** rng.uniform(-5.0, -2.0))),
-              wheel_rotation(0.35, (1,)))  # fmt: skip
-    first = margins(stiff, (S,), shakes, 2)[0]
-    assert first.margin == pytest.approx(own_Hz / first.excitation_Hz - 1.0, rel=1e-3)
-    speeds = np.linspace(0.0, 1.2 * stiff.speed_m_s[0], 3)
-    for one in find_crossings(stiff, S, shakes, speeds, 2):
-        ends = one.speed_m_s * (
-            1.0 + np.array([-1e-3, 1e-3]) * (abs(one.speed_margin) if one.speed_margin > -0.1 else 1.0)
-        )
-        at_ends = frequencies_Hz(stiff, S, 2, speed_m_s=ends, accuracy=1e-12)[:, one.mode - 1]
-        shaken = next(shake for shake in shakes if shake.name == one.excitation)
-        apart = at_ends - shaken.frequencies_Hz(ends)[:, one.harmonic - 1]
-        assert apart[0] > 0.0 > apart[1]
-    found = recommend_preload(stiff, shakes, margin=0.04, range_N=(2500.0, 6000.0), n_modes=2)
-    dense = np.linspace(2500.0, 6000.0, 71)
-    of_modes = np.hstack([frequencies_Hz(stiff, side, 2, preload_N=dense, accuracy=1e-8) for side in (T, S)])
-    excited = np.concatenate([shake.frequencies_Hz(stiff.speed_m_s[0]) for shake in shakes])
-    allowed = np.abs(of_modes[..., np.newaxis] / excited - 1.0).min(axis=(1, 2)) >= 0.04
-    assert (
-        abs(found.preload_N - stiff.preload_N[0])
-        <= min(abs(at - stiff.preload_N[0]) for at in dense[allowed].tolist()) + 2e-3 * 6000.0
-    )
-
-
 def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(saw, stiffness):
     for bends in [False, True]:
         for excitations in [(), (fixed_frequency("far off", 1e4),), (wheel_rotation(0.35, (1,)),)]:

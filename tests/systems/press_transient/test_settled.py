@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
@@ -41,53 +40,6 @@ def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
     ends = found.summary()["at_end"]
     assert ends["1"] == ends["10"] == "slips"
     assert ends["9"] == "stands"
-
-
-def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
-    """Strain goes round with the belts, L dT/dt = EA (v_end − v_start) + v (T_before − T), always in balance."""
-    press = kit.paper(density=0.0)
-    settled_N = settled(ElasticPress(press), kit.speed_m_s).tension_N
-    spans = {(span.start, span.end): i for i, span in enumerate(press.spans)}
-    places = [(belt, spans[step]) for belt in press.belts for step in belt.steps]
-    n = len(places)
-    length_m = np.array([kit.lengths_m[i + 1] for _, i in places])
-    gather = np.zeros((len(spans), n))
-    gather[[i for _, i in places], range(n)] = 1.0
-    before = np.zeros((n, n))
-    for k, (belt, _) in enumerate(places):
-        own = [j for j, (other, _) in enumerate(places) if other is belt]
-        before[k, own[own.index(k) - 1]] = 1.0
-    carried = kit.speed_m_s / length_m[:, None] * (before - np.eye(n))
-    # Rims and travels move so that rollers and tensioners stay in balance.
-    held = np.vstack([press.incidence[press.is_driven], press.pull])
-    springs = np.diag(
-        [0.0] * int(press.is_driven.sum()) + [part.spring_N_m for part in press.tensioners.values()]
-    )
-    stretch = (2e6 / length_m)[:, None] * (gather.T @ held.T)
-    rate = carried - stretch @ np.linalg.solve(held @ gather @ stretch + springs, held @ gather @ carried)
-    stuck = ElasticPress(press)
-    by_belt = np.array(
-        [stuck.preload_N[spans[belt.steps[0]]] for belt, _ in places]
-    )  # each belt alone in its first
-    by_belt = np.where(
-        [belt.name == "lower" for belt, _ in places], stuck.preload_N[spans["9", "10"]], by_belt
-    )
-    many = gather.sum(axis=1)[[i for _, i in places]]
-    begun = by_belt + ((settled_N - gather @ by_belt)[[i for _, i in places]]) / many
-    np.testing.assert_allclose(gather @ begun, settled_N, rtol=1e-12)
-
-    def imbalance(tension_N):
-        T9, T4, T10, T14 = (tension_N[i - 1] for i in (9, 4, 10, 14))
-        return (T9 - T4) - (T10 - T14)
-
-    assert abs(imbalance(settled_N)) > 100.0
-    passage_s = length_m[:9].sum() / kit.speed_m_s
-    after = [gather @ expm(k * passage_s * rate) @ begun for k in (1.0, 3.0, 20.0)]
-    assert abs(imbalance(after[1])) < 0.3 * abs(imbalance(settled_N))
-    assert abs(imbalance(after[2])) < 1e-6 * abs(imbalance(settled_N))
-    np.testing.assert_allclose(
-        press.incidence[press.is_driven] @ after[2], press.rim_load_N[press.is_driven], atol=1e-6
-    )
 
 
 @pytest.mark.parametrize("force_N", [1300.0, pytest.param(2000.0, marks=pytest.mark.slow)])

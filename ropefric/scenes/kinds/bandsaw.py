@@ -333,9 +333,10 @@ def _simulated(answer: SawAnswer, problem: SawProblem) -> SawProblem:
         "wheel-inertia-tension": "mounting_factor",
         "bending": "bending_stiffness_N_m2",
     }
-    return replace(
-        problem, **{name: None for effect, name in parts.items() if effect not in answer.model.effects}
-    )
+    absent: dict[str, Any] = {
+        name: None for effect, name in parts.items() if effect not in answer.model.effects
+    }
+    return replace(problem, **absent)
 
 
 def _recommended(problem: SawProblem) -> dict[str, Any] | None:

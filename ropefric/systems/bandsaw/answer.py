@@ -27,7 +27,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.saw import Excitation, Section, Side
-from ropefric.systems.bandsaw.span import CLAMPED, NEXT_TO_CRITICAL, Ends, Span
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Cases, Positive, Share, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
@@ -242,8 +242,7 @@ def answerable(problem: SawProblem) -> BoolArray:
     """Return for which of n cases both sides are tight and slower than their critical speed, shape (n,)."""
     slack_N = problem.preload_N - problem.pull_N + problem.wheels_N
     stiff_N = problem.ends.buckling * problem.product("bending_stiffness_N_m2") / problem.free_span_m**2
-    least_N = NEXT_TO_CRITICAL * (np.abs(problem.preload_N - problem.pull_N) + stiff_N)
-    return np.asarray((slack_N > 0.0) & (slack_N - problem.inertia_N + stiff_N > least_N))
+    return np.asarray((slack_N > 0.0) & (slack_N - problem.inertia_N + stiff_N > 0.0))
 
 
 _ORDERS = (24, 48, 96, 192)

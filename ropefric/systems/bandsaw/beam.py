@@ -20,17 +20,24 @@ from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_overspeed,
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaledBeam:
-    """w_ττ + 2V w_xτ − S w_xx + ε² w_xxxx = 0 on 0 ≤ x ≤ 1, with S = 1 − V², of either sign."""
+    """w_ττ + 2V w_xτ − S w_xx + ε² w_xxxx = 0 on 0 ≤ x ≤ 1, with S = 1 − V².
+
+    Near the critical speed, V = √(1 + β ε²), all frequencies go with the margin S + β ε², which therefore is a number
+    of its own: computed from V it would have no digits left.
+    """
 
     stiffness: float
     speed: float
     net: float
+    margin: float
     ends: Ends
 
     @classmethod
     def at_speed(cls, stiffness: float, speed: float, ends: Ends) -> "ScaledBeam":
         """Return the beam at a speed ratio V."""
-        return cls(stiffness=stiffness, speed=speed, net=(1.0 - speed) * (1.0 + speed), ends=ends)
+        net = (1.0 - speed) * (1.0 + speed)
+        margin = net + ends.buckling * stiffness
+        return cls(stiffness=stiffness, speed=speed, net=net, margin=margin, ends=ends)
 
 
 MAX_ORDER = 400
@@ -70,7 +77,8 @@ def waves_of(beam: ScaledBeam, mode: int) -> Waves:
 
 
 def _waves_between(beam: ScaledBeam, q: float) -> Waves:
-    lifted = beam.net + beam.stiffness * q**2
+    # S + ε²q², written with the margin where S is negative.
+    lifted = beam.margin + beam.stiffness * (q**2 - beam.ends.buckling)
 
     def surplus(m_squared: float) -> float:
         rigid = lifted + beam.stiffness * (q**2 + 2.0 * m_squared)
@@ -184,6 +192,10 @@ def _reference(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     return value, slope, curvature
 
 
+# Below this share of its parts the margin no longer survives in the stiffness matrix by itself.
+_NEAR_CRITICAL = 0.1
+
+
 class Modes(NamedTuple):
     """The first modes in some space: scaled frequencies ω = 2π f l/c [-], and their decrease in a richer space."""
 
@@ -212,6 +224,8 @@ def galerkin_modes(
     first, size = np.argsort(degrees > order, kind="stable"), int((degrees <= order).sum())
     mass, travel = parts.mass, parts.travel
     stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
+    if beam.margin < _NEAR_CRITICAL * abs(beam.net):
+        mass, travel, stiffness = _near_critical(beam, parts, widths, order + beyond)
     scale = 1.0 / np.sqrt(np.diag(stiffness))
     stiffness, mass, gyroscopic = (
         (one * np.outer(scale, scale))[np.ix_(first, first)] for one in (stiffness, mass, beam.speed * travel)
@@ -262,6 +276,40 @@ def galerkin_modes(
     return Modes(omega[order_of], errors[order_of])
 
 
+def _near_critical(
+    beam: ScaledBeam, parts: Matrices, widths: tuple[float, ...], order: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return mass, travel and stiffness in a basis that has the buckling mode in it.
+
+    S K_2 + ε² K_4 = (−β K_2 + K_4) ε² + margin · K_2. The bracket times the buckling mode is exactly zero and is made
+    so, which lets the margin stand by itself on the mode's own diagonal, however small it is.
+    """
+    buckled = _buckling_mode(beam, widths, order)
+    replaced = int(np.argmax(np.abs(buckled) * np.sqrt(np.diag(parts.bending))))
+    basis = np.eye(buckled.size)
+    basis[:, replaced] = buckled
+    mass, travel, tension, bending = (basis.T @ matrix @ basis for matrix in parts)
+    travel[replaced, replaced] = 0.0
+    critical = beam.stiffness * (bending - beam.ends.buckling * tension)
+    critical[replaced, :] = 0.0
+    critical[:, replaced] = 0.0
+    return mass, travel, critical + beam.margin * tension
+
+
+def _buckling_mode(beam: ScaledBeam, widths: tuple[float, ...], order: int) -> FloatArray:
+    """Return the coefficients of the buckling mode, whose bending energy and nodal values they keep."""
+    nodes, half = np.concatenate([[0.0], np.cumsum(widths)]), 0.5 * np.array(widths)
+    values, slopes, _ = beam.ends.buckled(nodes)
+    points, weights = np.polynomial.legendre.leggauss(order + 1)
+    weighted = (np.polynomial.legendre.legvander(points, order) @ _reference(order)[2][4:].T).T * weights
+    bubbles = [
+        one**2 * weighted @ beam.ends.buckled(start + one * (1.0 + points))[2]
+        for start, one in zip(nodes[:-1], half, strict=True)
+    ]
+    whole = np.concatenate([np.stack([values, slopes], axis=1).ravel(), *bubbles])
+    return np.asarray(whole[free_freedoms(len(widths), order, turning_ends=beam.ends.turns)])
+
+
 # Polynomials of so many orders more take up practically all of what an order errs by.
 _BEYOND = 3
 # Rounding alone, over many cases of stiffness and speed.
@@ -304,11 +352,12 @@ def solve_beam(beam: ScaledBeam, n_modes: int = 6, *, accuracy: float = 1e-10) -
 
 def scaled_beams(span: Span, ends: Ends) -> list[ScaledBeam]:
     """Return the scaled form of every case of a span that has a stiffness."""
-    tension_N = span.tension_N
+    tension_N, margin_N = span.tension_N, refuse_overspeed(span, ends)
     numbers = {
         "stiffness": span.bending_stiffness_N_m2 / (tension_N * span.free_span_m**2),
         "speed": np.abs(span.travel_speed_m_s) / span.wave_speed_m_s,
         "net": span.net_tension_N / tension_N,
+        "margin": margin_N / tension_N,
     }
     rows = np.stack([*numbers.values()], axis=1).tolist()
     return [ScaledBeam(ends=ends, **dict(zip(numbers, row, strict=True))) for row in rows]

@@ -97,7 +97,7 @@ def test_clamped_at_rest_follows_its_expansion_to_third_order():
 def test_frequencies_fall_with_speed_and_rise_with_stiffness(saw, stiffness, ends):
     stiff = replace(saw, bending_stiffness_N_m2=stiffness, ends=ends)
     limit = float(span_of(stiff, Side.SLACK).critical_speed_m_s(ends)[0])
-    speeds = limit * np.array([0.0, 0.2, 0.6, 0.9, 0.99, 0.9999, 1 - 1e-6])
+    speeds = limit * np.array([0.0, 0.2, 0.6, 0.9, 0.99, 0.9999, 1 - 1e-8])
     found = frequencies_Hz(stiff, Side.SLACK, 4, speed_m_s=speeds)
     assert (np.diff(found, axis=0) < 0).all()
     assert found[-1, 0] < 1e-3 * found[0, 0]
@@ -112,16 +112,22 @@ def test_critical_speeds_are_buckling_loads(ends):
     q = math.sqrt(ends.buckling)
     wanted = math.sin(q) if ends.turns else 2 - 2 * math.cos(q) - q * math.sin(q)
     assert wanted == pytest.approx(0.0, abs=1e-11)
+    x = np.linspace(0, 1, 11)
+    shape, slope, curvature = ends.buckled(x)
+    assert abs(shape[[0, -1]]).max() < 1e-15
+    assert abs((curvature if ends.turns else slope)[[0, -1]]).max() < 1e-14
     span = Span(free_span_m=2.0, linear_density_kg_m=0.5, preload_N=100.0, bending_stiffness_N_m2=3.0)
     speed = float(span.critical_speed_m_s(ends)[0])
     assert 0.5 * speed**2 == pytest.approx(100.0 + ends.buckling * 3.0 / 4.0, rel=1e-14)
 
 
 def at_shortfall(stiffness, shortfall, ends):
-    """Return the beam at V = (1 − δ) V_c."""
-    return ScaledBeam.at_speed(
-        stiffness, math.sqrt(1.0 + ends.buckling * stiffness) * (1.0 - shortfall), ends
-    )
+    """Return the beam at V = (1 − δ) V_c, as exact as δ is."""
+    limit_squared = 1.0 + ends.buckling * stiffness
+    margin = limit_squared * shortfall * (2.0 - shortfall)
+    speed = math.sqrt(limit_squared) * (1.0 - shortfall)
+    net = margin - ends.buckling * stiffness
+    return ScaledBeam(stiffness=stiffness, speed=speed, net=net, margin=margin, ends=ends)
 
 
 @BOTH
@@ -152,6 +158,7 @@ def test_strings_among_beams_and_the_scaled_form():
     np.testing.assert_allclose(found, forward, rtol=1e-14)
     beam = scaled_beams(mixed.select([2]), CLAMPED)[0]
     assert beam.net == pytest.approx(1 - beam.speed**2, rel=1e-14)
+    assert beam.margin == pytest.approx(beam.net + CLAMPED.buckling * beam.stiffness, rel=1e-14)
 
 
 @pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
@@ -209,7 +216,7 @@ def drawn_beams(count, seed):
     rng = np.random.default_rng(seed)
     for one in range(count):
         ends, shortfall = ((PINNED, CLAMPED)[one % 2],
-                           10.0 ** rng.uniform(-5, 0) if one % 4 < 2 else rng.random())  # fmt: skip
+                           10.0 ** rng.uniform(-7, 0) if one % 4 < 2 else rng.random())  # fmt: skip
         asked = int(rng.choice([1, 2, 3, 6, 12])), float(rng.choice([2.5e-4, 1e-6, 1e-10]))
         yield at_shortfall(10.0 ** rng.uniform(-9, 0), shortfall, ends), *asked
 

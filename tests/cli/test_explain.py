@@ -10,7 +10,7 @@ KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead
     "time_s", "time_spread_s"}  # fmt: skip
 EFFECTS = {"climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal",
     "bending-stiffness"], "fast-belt-press": ["gravity-load", "squeeze-load", "belt-inertia",
-    "tensioner-spring", "belt-elasticity", "wrap-dependence", "size", "belt-damping",
+    "tensioner-spring", "belt-elasticity", "elastic-creep", "wrap-dependence", "size", "belt-damping",
     "tensioner-damping", "arc-inertia", "transient-friction", "transient"],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending",
     "torsion"]}  # fmt: skip

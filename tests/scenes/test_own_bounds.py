@@ -49,6 +49,15 @@ def six_rollers():
             "belts": {"belt": belt}, "friction": {"mu": 0.5}, "start_up": start_up}  # fmt: skip
 
 
+def test_a_press_that_cannot_be_pulled_like_this_shows_no_creep(loaded, scene_of):
+    tree = loaded("belt-press").document.data
+    held, slips = (solve_scene(scene_of(**tree | {"friction": {"mu": mu}})) for mu in (1.2, 0.3))
+    parts = [[one.title for one in run.scene.kind.sections(run.to_dict())] for run in (held, slips)]
+    assert slips.failures
+    assert "Creep" not in parts[1]
+    assert ("Creep" in parts[0]) == bool(held.to_dict()["creep"]["power_lost_W"])
+
+
 def test_a_belt_of_a_press_strained_by_more_than_a_tenth_is_said_running_and_starting(scene_of):
     for starts in (False, True):
         tree = six_rollers()

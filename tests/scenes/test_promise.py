@@ -15,7 +15,9 @@ def test_an_accuracy_below_rounding_is_not_promised(hoist_of):
     )
 
 
-@pytest.mark.parametrize(("name", "parts"), [("belt-press", ["critical"]), ("band-saw", ["resonance"])])
+@pytest.mark.parametrize(
+    ("name", "parts"), [("belt-press", ["critical", "creep.power_lost_W"]), ("band-saw", ["resonance"])]
+)
 def test_what_the_bound_does_not_cover_is_said_where_something_is_left_out(scene_of, loaded, name, parts):
     tree = loaded(name).document.data
     named, whole = (solve_scene(scene_of(**tree | {"effects": one})) for one in (tree["effects"], "all"))

@@ -2,6 +2,7 @@
 
 import pytest
 
+from ropefric.errors import DataError
 from ropefric.scenes.solve import solve_scene
 
 # Slip at 50 rpm, 2000 N and mu = 1.2: as_printed, as_plotted, utilisation, log, mu_required.
@@ -38,6 +39,7 @@ def test_roller_2_is_first_to_slip_and_what_makes_it(press):
     assert press["rank"] == 13
     assert len(press["undetermined"]) == 1
     assert press["power_W"] == pytest.approx(1673.8, abs=0.05)
+    assert press["loads"]["total_N"] == pytest.approx(1826.667, abs=5e-4)
 
 
 # The contract of the JSON shape: fields may be added, not renamed.
@@ -57,3 +59,26 @@ def test_the_fields_of_the_contract(loaded, name):
     if name == "band-saw":
         for side in ("tight", "slack", "rest"):
             assert {"frequencies_Hz", "critical_speed_m_s"} <= set(tree[side])
+
+
+def test_loads_from_the_sludge_are_the_torques_of_its_equations(loaded, scene_of):
+    """Eqs. (5)-(9): μ_f ρ g h b L R of the weight, and b R Δh (1 + μ_c) σ_c²/(3 E_c) for each squeeze."""
+    tree = dict(loaded("belt-press").document.data)
+    rollers = {name: dict(one) for name, one in tree["rollers"].items()}
+    for name, key in (("2", "gravity_torque"), ("6", "squeeze_torque")):
+        rollers[name].pop(key, None)
+    sludge = {"gravity": {"friction": 0.25, "height": "60 mm", "density": "1000 kg/m^3", "width": "2 m",
+                          "zones": {"2": "1.2 m"}},
+              "squeeze": {"width": "2 m", "compression": "10 mm", "strength": "30 kPa", "poisson_ratio": 0.3,
+                          "youngs_modulus": "300 kPa", "units": {"6": 2}}}  # fmt: skip
+    found = {
+        one.name: one
+        for one in scene_of(**tree | {"rollers": rollers, "sludge": sludge}).problem.press.rollers
+    }
+    wanted = 0.25 * 1000.0 * 9.80665 * 0.06 * 2.0 * 1.2 * found["2"].radius_m
+    assert found["2"].gravity_torque_N_m == pytest.approx(wanted, rel=1e-3)
+    wanted = 2.0 * found["6"].radius_m * 2 * 0.01 * (1.0 + 0.3) * 30e3**2 / (3.0 * 300e3)
+    assert found["6"].squeeze_torque_N_m == pytest.approx(wanted, rel=1e-12)
+    sludge["squeeze"]["units"] = {"99": 1}
+    with pytest.raises(DataError, match="names the unknown roller '99'"):
+        scene_of(**tree | {"rollers": rollers, "sludge": sludge})

@@ -7,17 +7,24 @@ from inspect import signature
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import RopefricError
-from ropefric.files.toml_model import choice, got, reject, whole_number
+from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.section import Section
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
 from ropefric.systems.press.effects import SYSTEM
-from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.machine import (
+    Belt,
+    Press,
+    Roller,
+    Tensioner,
+    gravity_torque_N_m,
+    squeeze_torque_N_m,
+)
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
@@ -98,7 +105,7 @@ class BeltTable(kind.Table):
     thickness : h; half of it counts as the rope radius of the friction law.
     density : Of the belt; or give its mass per length.
     linear_density : Mass per length; or give its density.
-    axial_stiffness : EA; for a start-up, the closure speed-ratio, and between fixed centres.
+    axial_stiffness : EA; for creep and start-up, and between fixed centres.
     damping : Ratio of damping to stiffness of its spans; for a start-up.
     span_lengths : Of its spans, in the order of the loop; for a start-up, and between fixed centres.
     pretension : Set at rest without loads between fixed centres, in place of a tensioner: the belt keeps its length.
@@ -140,6 +147,53 @@ class MachineTable(kind.Table):
     rules = (kind.one_of("rotation", "speed"),)
 
 
+class GravityTable(kind.Table):
+    """`[sludge.gravity]`, eqs. (5), (6).
+
+    Keys
+    ----
+    friction : μ_f of the sludge's weight on the bars.
+    height : Of the sludge.
+    density : Of the sludge.
+    width : Of the belt.
+    zones : Length of the zone whose sludge each roller drags along.
+    """
+
+    friction: Annotated[float, PlainValidator(kind.positive), kind.Becomes("sludge_friction")]
+    height: Annotated[float, kind.key("m", "60 mm", "sludge_height_m")]
+    density: Annotated[float, kind.key("kg/m^3", "1000 kg/m^3", "sludge_density_kg_m3")]
+    width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
+    zones: Annotated[dict[str, float], kind.by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
+
+
+class SqueezeTable(kind.Table):
+    """`[sludge.squeeze]`, eqs. (7)-(9).
+
+    Keys
+    ----
+    width : Of the belt.
+    compression : Δh, by which the sludge is squeezed.
+    strength : σ_c of the sludge.
+    poisson_ratio : μ_c of the sludge.
+    youngs_modulus : E_c of the sludge.
+    units : How many units of squeezing each roller carries.
+    """
+
+    width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
+    compression: Annotated[float, kind.key("m", "10 mm", "compression_m")]
+    strength: Annotated[float, kind.key("Pa", "30 kPa", "strength_Pa")]
+    poisson_ratio: Annotated[float, PlainValidator(kind.zero_or_more), kind.Becomes("poisson_ratio")]
+    youngs_modulus: Annotated[float, kind.key("Pa", "300 kPa", "youngs_modulus_Pa")]
+    units: Annotated[dict[str, float], kind.by_name(kind.positive, '"5" = 2, "6" = 1')]
+
+
+class SludgeTable(kind.Table):
+    """`[sludge]`: loads from the sludge, in place of torques."""
+
+    gravity: GravityTable | None = None
+    squeeze: SqueezeTable | None = None
+
+
 class StartUpTable(kind.Table):
     """`[start_up]`.
 
@@ -179,11 +233,8 @@ class PressScene(kind.SceneTable):
     rollers: dict[str, RollerTable]
     belts: dict[str, BeltTable]
     friction: kind.FrictionTable
+    sludge: SludgeTable = Field(default_factory=SludgeTable)
     start_up: StartUpTable | None = None
-    gone: ClassVar[Mapping[str, str]] = {
-        "sludge": "give each roller its torques: gravity_torque = R μ_f b h ρ_s g l of the zone that it drags along, "
-        "squeeze_torque = b R Δh (1 + μ_c) σ_c²/(3 E_c) for each squeeze"
-    }
 
     def _check(self) -> None:
         for name, roller in self.rollers.items():
@@ -194,6 +245,20 @@ class PressScene(kind.SceneTable):
                     fix='add force = "2000 N" to it, or preload = "2000 N" to [press] for all',
                     key=f"rollers.{name}.tensioner",
                 )
+        for part, torque, shares in (
+            ("gravity", "gravity_torque", "zones"),
+            ("squeeze", "squeeze_torque", "units"),
+        ):
+            for name in getattr(getattr(self.sludge, part), shares, {}):
+                if name not in self.rollers:
+                    reject("RF120", f"sludge.{part} names the unknown roller {name!r}", key=f"sludge.{part}")
+                if getattr(self.rollers[name], torque):
+                    reject(
+                        "RF111",
+                        f"roller {name} has a {torque} and a share of sludge.{part}",
+                        fix="keep one of them",
+                        key=f"rollers.{name}.{torque}",
+                    )
 
 
 def _problem(table: PressScene, friction: WrapFriction) -> PressProblem:
@@ -216,11 +281,19 @@ def _problem(table: PressScene, friction: WrapFriction) -> PressProblem:
 
 
 def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
+    """Return a roller, with the torques that the sludge puts on it."""
     parts = kind.given(one)
     if one.tensioner is not None:
         # A force of its own comes before the one preload of all tensioners.
         force = {"force_N": table.press.preload or 0.0, "is_shared": one.tensioner.force is None}
         parts["tensioner"] = Tensioner(**force | kind.given(one.tensioner))
+    gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
+    if gravity is not None and name in gravity.zones:
+        zone = {"zone_length_m": gravity.zones[name], "radius_m": one.radius}
+        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(**kind.given(gravity), **zone))
+    if squeeze is not None and name in squeeze.units:
+        squeezed = {"units": squeeze.units[name], "radius_m": one.radius}
+        parts["squeeze_torque_N_m"] = float(squeeze_torque_N_m(**kind.given(squeeze), **squeezed))
     return Roller(name=name, **parts)
 
 
@@ -352,7 +425,8 @@ def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
 
 
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
-    press, slip = answer.model.press, answer.slip
+    press, given, slip = answer.model.press, answer.model.problem.press, answer.slip
+    factor = float(answer.model.problem.load_factor[0])
     arc_m = {one.name: one.radius_m * one.wrap_angle_rad for one in press.rollers}
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
@@ -374,6 +448,24 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         "rank": answer.statics.rank,
         "undetermined": list(answer.statics.undetermined),
         "speed_m_s": float(answer.state.speed_m_s[0]),
+        # What the torques given stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
+        "loads": {
+            "by_roller": {
+                one.name: {
+                    "gravity_pull_N": factor * one.gravity_torque_N_m / one.radius_m,
+                    "squeeze_N_m": factor
+                    * one.squeeze_torque_N_m
+                    / (max(belt.width_m for belt in press.belts_on(one.name)) * one.radius_m),
+                }
+                for one in given.rollers
+                if one.torque_N_m
+            },
+            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in given.rollers),
+        },
+        "creep": {
+            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s[0]),
+            "power_lost_W": float(answer.creep_loss_W[0]),
+        },
         **slip_margins(answer),
     }
     with suppress(RopefricError):  # without EA, or with a belt that is slack at rest
@@ -399,7 +491,7 @@ _CHANGES = {
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
-    slips = tree["slip"]
+    slips, creep = tree["slip"], tree["creep"]
     uncertain = {"± std": ("utilisation_std", ".2g")}
     columns = {"utilisation": ("utilisation", ".4g")}
     columns |= uncertain if any("utilisation_std" in one for one in slips.values()) else {}
@@ -419,6 +511,12 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         kind.by_rows("Tensions", "span", tensions, forms, notes=tuple(tree["undetermined"]), lines=lines),
         kind.by_rows("Slip", "roller", slips, columns, lines=_slip_lines(tree)),
     ]
+    if creep["power_lost_W"] and not tree["slips"]:
+        rims = creep["rim_speed_m_s"].items()
+        rims = {name: {"rim": one, "slower": 1.0 - one / tree["speed_m_s"]} for name, one in rims}
+        forms = {"rim [m/s]": ("rim", ".6g"), "slower by [%]": ("slower", ".3g", 100.0)}
+        line = f"the belts' stretch takes {creep['power_lost_W']:.4g} W of the drivers' power"
+        found.append(kind.by_rows("Creep", "roller", rims, forms, lines=(line,)))
     return (*found, *([_start_up(tree)] if "start_up" in tree else []))
 
 
@@ -508,6 +606,7 @@ KIND = kind.Kind(
     beyond={
         "critical": "what has to change until a roller slips, and which is the first",
         "sticking": "angles and travels of belts that stick from standstill on",
+        "creep.power_lost_W": "the power that creep takes",
     },
     undecided=_undecided,
     # A span goes slack for want of preload; a roller has a table of its own.

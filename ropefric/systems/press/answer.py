@@ -12,6 +12,7 @@ from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, regressors_of
+from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.critical import CHANGES, critical
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable
@@ -81,6 +82,23 @@ class PressAnswer(NamedTuple):
     slip: SlipTable
     start_up: StartUp | None = None
 
+    @property
+    def rim_speed_m_s(self) -> FloatArray:
+        """Return how fast the rims run, shape (n, n_rollers) [m/s]: alike where creep is left out."""
+        state = self.state
+        ratios = np.ones((state.speed_m_s.size, len(state.press.rollers)))
+        if "elastic-creep" in self.model.effects:
+            has_mass = "belt-inertia" in self.model.effects
+            ratios = rim_speed_ratios(state.press, state.tension_N if has_mass else state.effective_tension_N)
+        return np.asarray(state.speed_m_s[:, np.newaxis] * ratios)
+
+    @property
+    def creep_loss_W(self) -> FloatArray:
+        """Return the power that creep takes, shape (n,) [W]: what the drivers supply less what the loads take."""
+        pulls_N = -self.state.effective_tension_N @ self.state.press.incidence.T
+        slower_m_s = self.rim_speed_m_s - self.state.speed_m_s[:, np.newaxis]  # Σ pulls = 0
+        return np.asarray((pulls_N * slower_m_s).sum(axis=-1))
+
 
 def take_up(effects: Collection[str]) -> TakeUp:
     """Return what the tensioners do with these effects in, where the belts run."""
@@ -145,7 +163,7 @@ _SAME_STATE = 1e-3
 
 def settles(answer: PressAnswer) -> dict[str, Any]:
     """Return where a start-up leads, how far that is from the steady run, and why."""
-    found, steady_N = answer.start_up, answer.state.tension_N[0]
+    found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
     assert found is not None  # noqa: S101  (asked for by the caller)
     outcome: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
     if found.settled is None:
@@ -153,12 +171,23 @@ def settles(answer: PressAnswer) -> dict[str, Any]:
         names = [f"{roller.name} {what}" for roller, what in ends if what]
         why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
         return outcome | {"why": why or "drivers of different speed stretch the belts until one slips"}
-    apart_N, largest_N = found.settled.tension_N - steady_N, np.abs(steady_N).max()
+    press, apart_N, largest_N = found.press, found.settled.tension_N - steady_N, np.abs(steady_N).max()
     worst = int(np.argmax(np.abs(apart_N)))
-    outcome |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
+    outcome |= {"differs_N": float(apart_N[worst]), "span": press.spans[worst].name}
     if abs(apart_N[worst]) <= _SAME_STATE * largest_N:
         return outcome | {"steady": True, "why": "it settles where the steady run is"}
-    return outcome | {
-        "why": "belts that stick to their rollers from the start share the pull as their spans stretch, and tensioners "
-        "give way; the steady run has the closure and the travels given"
-    }
+    slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
+    why = "belts that stick to their rollers from the start share the pull as their spans stretch"
+    if slipped:
+        why += f", displaced by the slip on roller {slipped}"
+    if closure in {"share", "speed-ratio"}:
+        longest_m = max(sum(belt.span_lengths_m or ()) for belt in press.belts)
+        why += (
+            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}' in some "
+            f"passages of the belts, of {longest_m / float(answer.state.speed_m_s[0]):.3g} s each"
+        )
+    elif closure:
+        why += f"; the closure '{closure}' states another share"
+    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * largest_N:
+        why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
+    return outcome | {"why": why}

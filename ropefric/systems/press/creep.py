@@ -1,4 +1,4 @@
-"""Elastic creep: how fast belts that stretch run, and how belts that run together share their tension.
+"""Elastic creep: how fast the rims of a press run, and how belts that run together share their tension.
 
 A belt runs with v_b (1 + T/EA), T with its ρAv². It sticks to a roller where it arrives, so that the roller's rim runs
 as fast as the belt in the span before it. Belts that run together stick to each other too: with their shares of T,
@@ -6,7 +6,8 @@ as fast as the belt in the span before it. Belts that run together stick to each
     v = Σ EA / Σ (EA/v_b) · (1 + T/Σ EA).
 
 The first driver turns as fast as the scene says. The v_b of one belt after the other follows from the rollers where
-belts meet, as in the closures of `statics`.
+belts meet, as in the closures of `statics`; so the speed that another driver must have follows from the tensions.
+A belt with n spans loses v_b/(2 EA) Σ (T_i − T_i−1)² of the drivers' power.
 """
 
 from itertools import pairwise, product
@@ -35,7 +36,7 @@ def belts_alone(press: Press, side: _Side = "end") -> list[tuple[str, str, str]]
     return [(roller, *pair) for roller, belts in on.items() for pair in pairwise(belts)]
 
 
-def speeds_of(press: Press, tension_N: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _speeds(press: Press, tension_N: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return v of every span and v_b of every belt over the first driver's, shapes (..., n_spans) and (..., n_belts)."""
     stiffness_N = _stiffness_N(press)
     together_N = stiffness_N @ press.carried
@@ -58,9 +59,19 @@ def _stiffness_N(press: Press) -> FloatArray:
     return np.array([belt.axial_stiffness_N for belt in press.belts], dtype=np.float64)
 
 
+def rim_speed_ratios(press: Press, tension_N: FloatArray) -> FloatArray:
+    """Return each rim's speed over the first driver's, shape (..., n_rollers), from T, shape (..., n_spans).
+
+    1 where the EA of a belt is not known.
+    """
+    if np.isnan(_stiffness_N(press)).any():
+        return np.ones((*tension_N.shape[:-1], len(press.rollers)))
+    return np.asarray(_speeds(press, tension_N)[0][..., np.argmax(press.into, axis=1)])
+
+
 def own_tensions_N(press: Press, tension_N: FloatArray) -> FloatArray:
     """Return the tension of each belt in the spans it runs in, shape (..., n_belts, n_spans); T where it is alone."""
-    by_span, paces = speeds_of(press, tension_N)
+    by_span, paces = _speeds(press, tension_N)
     strain = by_span[..., np.newaxis, :] / paces[..., np.newaxis] - 1.0
     alone = press.carried.sum(axis=0) == 1.0
     return np.where(alone, tension_N[..., np.newaxis, :], _stiffness_N(press)[:, np.newaxis] * strain)

@@ -1,6 +1,7 @@
 """The effects a belt press may be simulated with, and how far two answers with some of them are apart."""
 
 import re
+from functools import partial
 
 import numpy as np
 
@@ -14,10 +15,10 @@ from ropefric.systems.press.transient.start_up import largest_difference
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
 
 
-def _lacking(problem: PressProblem, *, masses: bool = False) -> tuple[str, ...]:
+def _lacking(problem: PressProblem, *, masses: bool = False, part: str = "") -> tuple[str, ...]:
     """Return the missing keys for belts that stretch and for moving parts, by their names in scenes, without units."""
     fields = problem.press.missing_elasticity + (problem.press.missing_masses if masses else [])
-    return tuple(_UNIT.sub("", field) for field in fields)
+    return tuple(_UNIT.sub("", field) for field in fields if part in field)
 
 
 def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
@@ -51,6 +52,12 @@ EFFECTS: Registry[Effect] = Registry(
             "belts that stretch by their EA",
             "belts that do not stretch; between fixed centres they keep their length with EA",
             needs=_lacking,
+        ),
+        Effect(
+            "elastic-creep",
+            "belts that are strained by T/EA, so that driven rollers run slower than the drivers and power is lost",
+            "rims that all run at the speed of the drivers",
+            needs=partial(_lacking, part="axial_stiffness"),
         ),
         *law_effects("roller", "belt", cost=1e-6),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
@@ -105,6 +112,7 @@ def _numbers(answer: PressAnswer) -> list[FloatArray]:
         *tensions_N,
         *(getattr(answer.slip, name) for name in MEASURES),
         answer.state.drive_power_W,
+        answer.rim_speed_m_s,
     ]
 
 

@@ -32,6 +32,7 @@ from itertools import chain
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Problem, raise_problems
@@ -372,3 +373,37 @@ def _held(press: Press, belt: Belt) -> Said:
         message = f"belt '{belt.name}' has a pretension, but tensioner {names} sets its tension"
         fix = "leave out the pretension, or let the roller be driven"
         yield bool(carriers), f"{where}.pretension_N", message, fix
+
+
+GRAVITY_M_S2 = 9.81
+
+
+def gravity_torque_N_m(
+    *,
+    sludge_friction: npt.ArrayLike,
+    belt_width_m: npt.ArrayLike,
+    sludge_height_m: npt.ArrayLike,
+    sludge_density_kg_m3: npt.ArrayLike,
+    zone_length_m: npt.ArrayLike,
+    radius_m: npt.ArrayLike,
+) -> FloatArray:
+    """Return M_G = R μ_f b h ρ_s g l, for the pull that the sludge's weight asks of the belt, eqs. (5), (6)."""
+    area_m2 = np.multiply(belt_width_m, zone_length_m)
+    weight_N = GRAVITY_M_S2 * area_m2 * np.multiply(sludge_height_m, sludge_density_kg_m3)
+    return np.asarray(np.multiply(sludge_friction, radius_m) * weight_N)
+
+
+def squeeze_torque_N_m(
+    *,
+    belt_width_m: npt.ArrayLike,
+    radius_m: npt.ArrayLike,
+    compression_m: npt.ArrayLike,
+    strength_Pa: npt.ArrayLike,
+    poisson_ratio: npt.ArrayLike,
+    youngs_modulus_Pa: npt.ArrayLike,
+    units: npt.ArrayLike = 1.0,
+) -> FloatArray:
+    """Return M_F = b R Δh K_max of squeezing the cake this many times, K_max = (1 + μ_c) σ_c²/(3 E_c), eqs. (7)-(9)."""
+    stiffer = 1.0 + checked("poisson_ratio", poisson_ratio, "zero or more")
+    limit_J_m3 = np.square(strength_Pa) * stiffer / np.multiply(3.0, youngs_modulus_Pa)
+    return np.asarray(np.multiply(belt_width_m, radius_m) * np.multiply(compression_m, units) * limit_J_m3)

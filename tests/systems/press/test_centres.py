@@ -13,7 +13,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.scenes.scene_templates import scene_text
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.creep import speeds_of
+from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.critical import critical
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import SlipTable
@@ -68,8 +68,7 @@ def unstretched_m(press, tension_N, mu, belt):
         {(one.start, one.end): i for i, one in enumerate(press.spans)},
         belt.axial_stiffness_N,
     )
-    running = speeds_of(press, tension_N)[0][np.argmax(press.into, axis=1)]
-    rims = dict(zip((one.name for one in press.rollers), running, strict=True))
+    rims = dict(zip((one.name for one in press.rollers), rim_speed_ratios(press, tension_N), strict=True))
     way, rollers = [spans[step] for step in belt.steps], {one.name: one for one in press.rollers}
     alone = next(i for i, place in enumerate(way) if len(press.spans[place].belts) == 1)
     pace = rims[belt.steps[alone][1]] / (1.0 + tension_N[way[alone]] / stiffness_N)

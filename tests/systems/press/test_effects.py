@@ -20,7 +20,7 @@ from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
 STEADY = ("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity",
-          "wrap-dependence", "size")  # fmt: skip
+          "elastic-creep", "wrap-dependence", "size")  # fmt: skip
 MOVING = ("belt-damping", "tensioner-damping", "arc-inertia", "transient")
 
 # One belt over a driver, a loaded roller and a tensioner: small enough to be done by hand.

@@ -19,11 +19,10 @@ from types import ModuleType
 from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies.picks import PICKERS
-from ropefric.accuracy.studies.press_transient import start_up
+from ropefric.accuracy.studies.press_transient import rk4_limit_s, start_up
 from ropefric.accuracy.studies.scenes import PROBLEMS, planned
 from ropefric.plotting.style import house_style
 from ropefric.plotting.work_precision import draw_work_precision
-from ropefric.systems.press.transient.integrators import rk4_limit_s
 
 __all__ = ["MACHINE_LINE", "PICTURES", "cost_block", "hard_cases", "with_blocks", "write_pictures"]
 

@@ -1,7 +1,7 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -16,13 +16,11 @@ from ropefric.glossary import GLOSSARY, answer_label
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
 from ropefric.scenes.explain import Explanation
-from ropefric.scenes.kind import Wheel
-from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Axis as SweepAxis
 from ropefric.scenes.sweep import Sweep
-from ropefric.systems.bandsaw.resonance import Excitation, SawChart
-from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.bandsaw.resonance import SawChart
+from ropefric.systems.bandsaw.saw import Excitation, Side
 from ropefric.systems.press.transient.start_up import StartUp
 
 _MOST_LINES = 6
@@ -154,85 +152,8 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     return FigureWithData(figure, (table,), f"Largest influence of each effect: {alt}.")
 
 
-_ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
-
-
-def draw_layout(scene: Scene) -> FigureWithData:
-    """Return the wheels of a machine and what lies on them, radii and wraps to scale, in the order of travel.
-
-    Two wheels of a loop face each other. In a longer loop each wheel has its wrap on top, because a scene does not
-    state where its wheels are. More than one turn on a wheel is drawn as a spiral.
-    """
-    belts = scene.kind.layout(scene.problem)
-    if not belts:
-        raise InputError(f"there is no figure of this {scene.kind.name} scene", fix="use to_frame()")
-    largest_mm = 1e3 * max(wheel.radius_m for wheels in belts.values() for wheel in wheels)
-    with drawing(9.0, 1.8 + 2.2 * len(belts)) as (figure, axes):
-        for row, (belt, wheels) in enumerate(belts.items()):
-            place = np.array([0.0, -4.2 * largest_mm * row])
-            _draw_loop(axes, wheels, place, apart_mm=0.4 * largest_mm)
-            if len(belts) > 1:
-                axes.text(-largest_mm, float(place[1]) + 1.4 * largest_mm, belt, style="italic")
-        axes.set(xlabel="Along the machine [mm]", ylabel="[mm]", aspect="equal")
-        axes.margins(0.08)
-        axes.grid(visible=False)
-        axes.set_title(f"{scene.kind.name}: radii and wraps to scale")
-        style.legend_below(axes, columns=4)
-    rows = [
-        (belt, one.name, one.role, one.radius_m, one.wrap_angle_rad) for belt in belts for one in belts[belt]
-    ]
-    table = DataTable.of_rows(("runs_over_it", "wheel", "role", "radius_m", "wrap_angle_rad"), rows)
-    told = ", ".join(f"{one[1]} {1e3 * one[3]:.4g} mm, {math.degrees(one[4]):.4g} deg" for one in rows)
-    return FigureWithData(figure, (table,), f"Layout of a {scene.kind.name}: {told}.")
-
-
-def _draw_loop(axes: Axes, wheels: Sequence[Wheel], place: FloatArray, *, apart_mm: float) -> None:
-    """Draw wheels in a row from a place on; where a scene gives no distance, this far apart beside their radii."""
-    ends, are_two = [], len(wheels) == 2
-    # A lone wheel so that its tight side hangs down.
-    lone = np.pi - 0.5 * wheels[0].wrap_angle_rad
-    middles = [lone] if len(wheels) == 1 else [np.pi, 0.0] if are_two else [0.5 * np.pi] * len(wheels)
-    for wheel, middle, after in zip(wheels, middles, [*wheels[1:], None], strict=True):
-        ends.append(_draw_wheel(axes, wheel, place, middle, stubs=not are_two))
-        if after is not None:
-            near_mm = 1.3e3 * (wheel.radius_m + after.radius_m) + apart_mm
-            step_mm = near_mm if math.isnan(wheel.apart_m) else 1e3 * wheel.apart_m
-            place = place + np.array([step_mm, 0.0])
-    for side in (0, 1) if are_two else ():
-        line = np.transpose([ends[0][side], ends[1][1 - side]])
-        axes.plot(*line, color=style.INK, linewidth=1.6)
-
-
-def _draw_wheel(
-    axes: Axes, wheel: Wheel, place: FloatArray, middle: float, *, stubs: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Draw a wheel and what lies on it about the direction of its middle; return where that begins and ends."""
-    radius_mm, turns = 1e3 * wheel.radius_m, wheel.wrap_angle_rad / (2.0 * np.pi)
-    along = np.linspace(0.0, 1.0, 121 * math.ceil(turns))
-    angle = middle + (along - 0.5) * wheel.wrap_angle_rad
-    # Turns lie beside each other on the wheel; here they are drawn outside each other.
-    lies_mm = radius_mm * (1.0 + min(0.04 * max(turns - 1.0, 0.0), 0.3) * along)
-    around, color = np.linspace(0.0, 2.0 * np.pi, 121), _ROLES.get(wheel.role, style.GREY)
-    disc = place[:, np.newaxis] + radius_mm * np.stack([np.cos(around), np.sin(around)])
-    axes.fill(*disc, facecolor=(color, 0.25), edgecolor=color, label=wheel.role)
-    lies = place[:, np.newaxis] + lies_mm * np.stack([np.cos(angle), np.sin(angle)])
-    axes.plot(*lies, color=style.INK, linewidth=1.6 if turns < 3.0 else 0.9)
-    for end, side, word in ((0, -1.0, wheel.ends[1]), (-1, 1.0, wheel.ends[0])):
-        if stubs:
-            away = side * radius_mm * np.array([-np.sin(angle[end]), np.cos(angle[end])])
-            x, y = lies[:, end] + (1.5 if word else 0.9) * away
-            arrow = {"arrowstyle": "<-" if word else "-", "linewidth": 1.6, "shrinkB": 0.0}
-            axes.annotate(style.typeset(word), tuple(lies[:, end]), (x, y), ha="center", arrowprops=arrow)
-            axes.update_datalim([(x, y)])
-    words = f"{wheel.name}\n{radius_mm:.4g} mm\n{math.degrees(wheel.wrap_angle_rad):.4g}°"
-    axes.text(place[0], place[1] - 1.15 * radius_mm, words, ha="center", va="top", fontsize=8)
-    axes.update_datalim([(place[0], place[1] - 2.0 * radius_mm)])
-    return lies[:, 0], lies[:, -1]
-
-
 _LEFT_BEHIND = 0.02
 """A roller whose rim differs from the drive by this share of its highest speed at the end is drawn by itself."""
-_FLOOR = 1e-16
 
 
 def _same_lines(names: Iterable[str], lines: FloatArray) -> dict[str, FloatArray]:
@@ -267,14 +188,13 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     """Return the figure of a start-up.
 
     From above: the tension of every span; the rim speed of every roller; when the belt slips on which roller, forward
-    (it runs ahead, as on a driven roller) or backward (it lags, as on a driver); what does not add up in the energy
-    balance, against the greatest of its parts.
+    (it runs ahead, as on a driven roller) or backward (it lags, as on a driver).
     """
     spans, rollers = ([part.name for part in parts] for parts in (found.press.spans, found.press.rollers))
     rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
     margins = {"left": 0.13, "right": 0.84, "top": 0.96, "bottom": 0.05, "hspace": 0.16}
-    rows: dict[str, Any] = {"nrows": 4, "sharex": True, "height_ratios": [3.2, 2.0, 1.2, 1.0]}
-    with drawing(9.0, 11.0, margins=margins, **rows) as (figure, (tension, speed, slip, energy)):
+    rows: dict[str, Any] = {"nrows": 3, "sharex": True, "height_ratios": [3.2, 2.0, 1.2]}
+    with drawing(9.0, 9.6, margins=margins, **rows) as (figure, (tension, speed, slip)):
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
         lines = _same_lines((f"T_{name}" for name in spans), found.tension_N.T)
@@ -284,14 +204,12 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
         name_lines(tension, [(name, float(line[-1])) for name, line in lines.items()])
         _draw_speeds(speed, found, rims_m_s)
         _draw_slips(slip, found)
-        residual = np.abs(found.energy.residual) / (float(np.abs(found.energy.drive).max()) or 1.0)
-        energy.semilogy(found.time_s, np.maximum(residual, _FLOOR), color=style.GREY, linewidth=1.0)
-        energy.set(xlabel="Time t [s]", ylabel="Energy residual [-]")
+        slip.set_xlabel("Time t [s]")
         figure.align_ylabels()
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
     columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
-    histories = DataTable(columns | {"energy_residual_J": found.energy.residual})
+    histories = DataTable(columns)
     first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
     ones = ", ".join(f"roller {name} from {first[name]:.3g} s" for name in _slipped(found))
     alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
@@ -343,9 +261,6 @@ _CROSSING = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_H
 
 _LOOK = {Side.TIGHT: (style.BLUE, "-"), Side.SLACK: (style.ORANGE, "--")}
 _SHAKES = ((0, (1, 1)), (0, (4, 2, 1, 2)), (0, (6, 2)), (0, (3, 1, 1, 1, 1, 1)))
-# A written margin takes so much of the chart's width and height.
-_LABEL_WIDTH, _LABEL_HEIGHT = 0.066, 0.032
-_LABEL_OFFSET = 0.03
 _MODE_LABELS_AT = 0.12
 _BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
 
@@ -353,24 +268,23 @@ _BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 
 def draw_saw_chart(chart: SawChart) -> FigureWithData:
     """Return a Campbell chart: frequencies of the modes of both sides over the blade's speed, and the excitations.
 
-    Where a mode meets an excitation there is a circle; the number beside it says by how much the speed at work would
-    have to change to get there. Where circles crowd, the numbers nearest to the speed at work are written; the
-    table has all.
+    Where a mode meets an excitation there is a circle; the table says by how much the speed at work would have to
+    change to get there.
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])
     with drawing(9.0, 6.5) as (figure, axes):
         axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
         axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
-        axes.set_title(
-            "Modes of the blade and what excites them; circles: resonance, at this change of speed", pad=18.0
-        )
-        written = _draw_modes(axes, chart, top_Hz)
+        axes.set_title("Modes of the blade and what excites them; circles: resonance", pad=18.0)
+        _draw_modes(axes, chart)
         for excitation, dashes in zip(chart.excitations, cycle(_SHAKES), strict=False):
             _draw_excitation(axes, excitation, chart, dashes, top_Hz)
-        if chart.saw.speed_m_s > 0.0:
-            axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
-        _draw_crossings(axes, chart, top_Hz, written)
+        if chart.work_m_s > 0.0:
+            axes.axvline(chart.work_m_s, color="black", linewidth=1.2, label="speed at work")
+        for one in chart.crossings:
+            ring: dict[str, Any] = {"markeredgecolor": _LOOK[one.side][0], "markerfacecolor": "none"}
+            axes.plot(one.speed_m_s, one.frequency_Hz, "o", markersize=6.0, markeredgewidth=1.3, **ring)
         style.legend_below(axes, columns=4)
     rows = [
         (str(side), mode, *point)
@@ -385,9 +299,9 @@ def draw_saw_chart(chart: SawChart) -> FigureWithData:
     return FigureWithData(figure, (modes, DataTable(crossings, "crossings")))
 
 
-def _draw_modes(axes: Axes, chart: SawChart, top_Hz: float) -> list[tuple[float, float]]:
-    """Draw the modes, and write their numbers; return where these stand, in parts of the chart's width and height."""
-    speeds, written = chart.speed_m_s, []
+def _draw_modes(axes: Axes, chart: SawChart) -> None:
+    """Draw the modes, and write their numbers."""
+    speeds = chart.speed_m_s
     case = int(np.searchsorted(speeds, float(speeds[0]) + _MODE_LABELS_AT * float(np.ptp(speeds))))
     for side, frequencies in chart.mode_Hz.items():
         color, dashes = _LOOK[side]
@@ -396,8 +310,6 @@ def _draw_modes(axes: Axes, chart: SawChart, top_Hz: float) -> list[tuple[float,
             if side is Side.SLACK:
                 point = (float(speeds[case]), float(values[case]))
                 style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
-                written.append((_MODE_LABELS_AT, point[1] / top_Hz - _LABEL_OFFSET))
-    return written
 
 
 def _draw_excitation(
@@ -417,27 +329,6 @@ def _draw_excitation(
         point = (float(np.interp(top_Hz, values, chart.speed_m_s)), min(float(values[-1]), top_Hz))
         where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
         style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
-
-
-def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tuple[float, float]]) -> None:
-    """Draw the crossings as circles, and write the margins that do not overlap earlier words, `written`."""
-    slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
-    for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
-        color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)
-        ring: dict[str, Any] = {"markersize": 6.0, "markerfacecolor": "none", "markeredgewidth": 1.3}
-        axes.plot(*point, "o", markeredgecolor=color, **ring)
-        up = 1.0 if crossing.side is Side.TIGHT else -1.0
-        x = (crossing.speed_m_s - slowest_m_s) / span_m_s
-        y = crossing.frequency_Hz / top_Hz + up * _LABEL_OFFSET
-        crowded = any(
-            abs(x - other) < _LABEL_WIDTH and abs(y - there) < _LABEL_HEIGHT for other, there in written
-        )
-        outside = y < 0.5 * _LABEL_HEIGHT or x < 0.5 * _LABEL_WIDTH
-        if not (crowded or outside) and math.isfinite(crossing.speed_margin):
-            written.append((x, y))
-            words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
-            look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
-            style.note_at(axes, words, point, up=6.0 * up, color=color, **look)
 
 
 _DRAWN: dict[str, Callable[[Any], FigureWithData]] = {

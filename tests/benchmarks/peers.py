@@ -37,13 +37,13 @@ from scipy.integrate import solve_ivp
 from scipy.signal import find_peaks
 
 import ropefric as rf
+from ropefric.accuracy.studies.press_transient import INTEGRATORS, LinearStartUp
 from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 from ropefric.rig.stories import draw_recording
 from ropefric.systems.bandsaw.beam import solve_beam
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import ElasticPress
 
 ROUNDS = 9

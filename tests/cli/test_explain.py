@@ -11,7 +11,7 @@ KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead
 EFFECTS = {"climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal",
     "bending-stiffness"], "fast-belt-press": ["gravity-load", "squeeze-load", "belt-inertia",
     "tensioner-spring", "belt-elasticity", "elastic-creep", "wrap-dependence", "size", "belt-damping",
-    "tensioner-damping", "arc-inertia", "transient-friction", "exact-switching", "transient"],
+    "tensioner-damping", "arc-inertia", "transient-friction", "transient"],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending",
     "torsion"]}  # fmt: skip
 
@@ -58,7 +58,7 @@ def test_without_a_start_up_its_effects_ask_for_one_and_nothing_else(call):
         assert missing[name] == ["start_up"]
     flat = " ".join(call("explain", SCENES / "belt-press.toml").out.split())
     assert flat.count("the scene does not give start_up") == 1, "once for all that need it"
-    assert "tensioner-damping, arc-inertia, transient-friction, exact-switching, transient: " in flat
+    assert "tensioner-damping, arc-inertia, transient-friction, transient: " in flat
 
 
 def test_a_long_list_of_missing_keys_is_cut_short_in_words_and_whole_in_json(call, tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hard_regime import answer, fact, refusals, refused, regime, relative
 
+from ropefric.accuracy.studies.press_transient import INTEGRATORS, LinearStartUp
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.laws.bending import lifted_arc_rad
@@ -19,7 +20,6 @@ from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import ElasticPress
 from ropefric.systems.press.transient.start_up import start_up
 
@@ -240,7 +240,7 @@ def ratio_over_limit(EA_N, eta_s, mu):
     """Return T'_tight/T'_slack over e^M at the first slip, with q = ρAR²θ''/μ as in eq. (37)."""
     press = small_press(EA_N, eta_s, load_N_m=30.0)
     speed = DRIVE_LAWS["s-curve"](speed_m_s=1.0, duration_s=0.5)
-    slip = start_up(press, speed=speed, time_s=[0.5], friction=mu).slips[0]
+    slip = start_up(press, speed=speed, time_s=[0.0, 0.5], friction=mu).slips[0]
     T = true_tensions(linear_start(press, speed), slip.start_s) - 8.0 * float(speed(slip.start_s)) ** 2
     if slip.roller == "drive":
         wrap, before, behind, way = DRIVE_WRAP, T[2], T[0], -1.0
@@ -263,7 +263,7 @@ def slip_threshold():
     return max(abs(ratio_over_limit(*case) - 1.0) for case in cases)
 
 
-@regime("slack belts", 1e-8, "the balance of energy; no belt pushes",
+@regime("slack belts", 1e-5, "the balance of energy; no belt pushes",
         "a press started to full speed at once, EA = 1e5 … 1e7 N, 1e8 N in the long run: the rest in the energy "
         "balance of drive, loads, belts, slip and motion, and the largest force with which a belt pushes")  # fmt: skip
 def slack_belts(cases=((1e5, 0.0), (1e7, 1e-3))):

@@ -8,6 +8,7 @@ import numpy as np
 from hard_machines import extreme
 from hard_regime import answer, fact, refusals, refused, regime, relative
 
+from ropefric.systems.bandsaw.answer import SawProblem, frequencies_Hz, span_of
 from ropefric.systems.bandsaw.beam import (
     ScaledBeam,
     beam_frequencies_Hz,
@@ -16,7 +17,7 @@ from ropefric.systems.bandsaw.beam import (
     solve_beam,
     widths_for,
 )
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, span_of
+from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
 
 LENGTH, DENSITY, PRELOAD, STIFFNESS = 1.6, 0.5967, 3412.0, 1.0637
@@ -143,7 +144,7 @@ def beam_error(span):
 
 
 def saw(wheel_speed_rad_s, tension_difference_N, **more):
-    return Saw(**BLADE, wheel_radius_m=0.35, wheel_speed_rad_s=wheel_speed_rad_s,
+    return SawProblem(**BLADE, n_modes=1, wheel_radius_m=0.35, wheel_speed_rad_s=wheel_speed_rad_s,
                tension_difference_N=tension_difference_N, **more)  # fmt: skip
 
 
@@ -282,8 +283,6 @@ def blades_without_tension():
         assert span.critical_speed_m_s(CLAMPED)[0] == 0.0
         yield partial(string_frequencies_Hz, span, 1), "at 100 m/s and its critical speed is 0 m/s"
     hard_pulled = saw(50.0, 2.0 * PRELOAD)
-    for side in (Side.TIGHT, Side.REST):
-        assert frequencies_Hz(hard_pulled, side, 1)[0, 0] > 0.0
     yield partial(span_of, hard_pulled, Side.SLACK), "the tension is 0 N .*a slack blade is no string"
 
 

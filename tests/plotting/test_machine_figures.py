@@ -17,8 +17,9 @@ from ropefric.plotting.design import draw_design_chart
 from ropefric.plotting.figure import figure_files, new_figure
 from ropefric.plotting.machines import draw_press_start_up, draw_saw_chart, draw_sweep, name_lines
 from ropefric.scenes.sweep import Axis, Sweep
+from ropefric.systems.bandsaw.answer import SawProblem, frequencies_Hz
 from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up
@@ -61,11 +62,11 @@ def started(press, friction):
     return start_up(press, speed=speed, time_s=np.linspace(0.0, 1.5, 76), friction=friction)
 
 
-def test_panels_show_tensions_speeds_slips_and_the_balance(press, told):
+def test_panels_show_tensions_speeds_and_slips(press, told):
     found = started(press, 0.12)
     assert found.slips
     drawn = told(draw_press_start_up(found))
-    tension, speed, slip, energy = drawn.figure.axes
+    tension, speed, slip = drawn.figure.axes
     for i, line in enumerate(tension.lines):
         np.testing.assert_array_equal(line.get_ydata(), found.tension_N[:, i])
     np.testing.assert_allclose(speed.lines[1].get_ydata(), 0.1 * found.roller_speed_rad_s[:, 1])
@@ -75,9 +76,8 @@ def test_panels_show_tensions_speeds_slips_and_the_balance(press, told):
     assert {text.get_text() for text in slip.get_yticklabels()} == {
         f"roller {one.roller}" for one in found.slips
     }
-    assert (energy.lines[0].get_ydata() < 1e-8).all()
     assert "the belt slips on roller" in drawn.alt
-    for axes, unit in zip(drawn.figure.axes, ("[N]", "[m/s]", "Slip", "[-]"), strict=True):
+    for axes, unit in zip(drawn.figure.axes, ("[N]", "[m/s]", "Slip"), strict=True):
         assert unit in axes.get_ylabel()
     files = figure_files(drawn, "start", formats=())
     assert {*files} == {"start.csv", "start_slips.csv"}
@@ -106,8 +106,8 @@ def test_names_never_touch_and_keep_their_order():
 
 # The Campbell chart of a saw.
 
-SAW = Saw(
-    free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
+SAW = SawProblem(
+    n_modes=2, free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95,
 )  # fmt: skip
 SPEEDS = np.linspace(0.0, 60.0, 25)
@@ -135,14 +135,7 @@ def test_lines_are_the_modes_and_circles_the_crossings(told):
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Blade speed v [m/s]", "Frequency f [Hz]")
     excitations = ["wheel rotation", "tooth passing", "fan (above the chart)"]
     assert legend(axes) == ["tight side", "slack side", *excitations, "speed at work"]
-    # The nearest crossing has its margin written, and no two written numbers overlap.
-    nearest = min(made.crossings, key=lambda crossing: abs(crossing.speed_margin))
-    assert f"{100 * nearest.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}") in texts(axes)
     assert {"mode 1", "mode 2", "1×", "2×", "3×"} <= set(texts(axes))
-    assert 4 <= sum("%" in text for text in texts(axes)) <= len(made.crossings)
-    drawn.figure.canvas.draw()
-    boxes = [text.get_window_extent() for text in axes.texts if "%" in text.get_text()]
-    assert not any(box.overlaps(other) for i, box in enumerate(boxes) for other in boxes[:i])
     files = figure_files(drawn, "saw", formats=())
     assert [*files] == ["saw.csv", "saw_crossings.csv"]
     assert len(rows_of(files["saw.csv"])) == 4 * SPEEDS.size
@@ -154,7 +147,6 @@ def test_lines_are_the_modes_and_circles_the_crossings(told):
 def test_a_saw_at_rest_has_no_speed_at_work():
     (axes,) = draw_saw_chart(saw_chart_of(replace(SAW, wheel_speed_rad_s=0.0))).figure.axes
     assert not [line for line in axes.lines if line.get_label() == "speed at work"]
-    assert not [text for text in texts(axes) if "%" in text]
 
 
 # The chart of a design.

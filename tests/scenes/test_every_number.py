@@ -222,12 +222,11 @@ def test_planned_start_ups_near_what_decides(scene_of, seed):
     assert check_start_up(scene_of, seed)
 
 
-def test_of_a_start_up_the_exact_moments_of_slip_are_left_out(scene_of):
+def test_of_a_start_up_nothing_is_left_out(scene_of):
     tree = starting_press(np.random.default_rng([20, 0]))
     tree["start_up"] = {"law": "ramp", "duration": "0.1 s", "simulate": "0.15 s", "points": 16}
     told = explain_scene(scene_of(**tree | {"friction": {"mu": 0.05}, "accuracy": 0.02})).plan.decisions
-    assert {one.name for one in told if one.fate == "left out"} == {"exact-switching"}
+    assert not [one.name for one in told if one.fate == "left out"]
     named = {one.name: one for one in told}
-    assert named["exact-switching"].worth < 1e-7 < named["exact-switching"].bound
     assert math.isnan(named["arc-inertia"].worth), "a belt without mass has no answer where it slips"
     assert named["transient-friction"].worth == 0.0

@@ -1,6 +1,5 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
@@ -17,7 +16,7 @@ from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
 from ropefric.systems.bandsaw.effects import SYSTEM
-from ropefric.systems.bandsaw.saw import Saw, Section, Side, tension_difference_N, torque_N_m
+from ropefric.systems.bandsaw.saw import Excitation, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import assemble
@@ -240,8 +239,8 @@ def _computed_pull_N(table: SawScene) -> float | None:
     return float(tension_difference_N(torque, kind.given(wheel)["wheel_radius_m"]))
 
 
-def _excitations(table: SawScene) -> tuple[resonance.Excitation, ...]:
-    shaken, found = table.excitation, list[resonance.Excitation]()
+def _excitations(table: SawScene) -> tuple[Excitation, ...]:
+    shaken, found = table.excitation, list[Excitation]()
     if shaken is None:
         return ()
     if table.wheel is not None and shaken.wheel_harmonics:
@@ -322,55 +321,56 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     if problem.feed_force_N is not None:
         tree["feed"] = {"force_N": float(problem.feed_force_N[0])}
-    saw = _saw(answer, problem)
-    if saw is not None and problem.excitations:
-        tree["resonance"] = _resonance(saw, problem)
+    if problem.speed_m_s is not None and problem.excitations:
+        tree["resonance"] = _resonance(_simulated(answer, problem))
     return tree
 
 
-def _saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
-    """Return the whole saw of a single case; None where its wheels are not known.
+def _simulated(answer: SawAnswer, problem: SawProblem) -> SawProblem:
+    """Return a problem without what its answer leaves out: where a mode meets an excitation depends on that, too."""
+    parts = {
+        "tension-difference": "tension_difference_N",
+        "wheel-inertia-tension": "mounting_factor",
+        "bending": "bending_stiffness_N_m2",
+    }
+    absent: dict[str, Any] = {
+        name: None for effect, name in parts.items() if effect not in answer.model.effects
+    }
+    return replace(problem, **absent)
 
-    It has a stiff blade only if the plan has one: where a mode meets an excitation depends on it.
-    """
-    whole = problem.saw
-    if whole is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
-        return whole
-    return replace(whole, bending_stiffness_N_m2=0.0)
 
-
-def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
+def _recommended(problem: SawProblem) -> dict[str, Any] | None:
     """Return the preload that keeps the margin wanted, with advice; why there is none; None where none is asked for."""
     if problem.margin_wanted is None or problem.preload_range_N is None:
         return None
     wanted: dict[str, Any] = {"margin": problem.margin_wanted, "range_N": problem.preload_range_N}
     try:
-        found = resonance.recommend_preload(saw, problem.excitations, n_modes=problem.n_modes, **wanted)
+        found = resonance.recommend_preload(problem, problem.excitations, n_modes=problem.n_modes, **wanted)
     except RopefricError as error:
         return {"status": "not possible", "advice": error.problem.message}
-    numbers = {"preload_N": found.preload_N, "margin": found.margin, "forbidden_N": found.forbidden_N}
+    numbers = {"preload_N": found.preload_N, "margin": found.margin}
     return numbers | {"status": found.status.value, "advice": found.status.advice}
 
 
-def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+def _resonance(problem: SawProblem) -> dict[str, Any]:
     shakes, n_modes, crossings = problem.excitations, problem.n_modes, list[resonance.Crossing]()
     for side in _RUNNING:
-        speeds = _speeds_m_s(saw, side)
-        crossings += resonance.find_crossings(saw, side, shakes, speeds, n_modes)
-    nearest = resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]
+        crossings += resonance.find_crossings(problem, side, shakes, _speeds_m_s(problem, side), n_modes)
+    nearest = resonance.margins(problem, _RUNNING, shakes, n_modes)[:_NEAREST]
     return {
-        "recommended_preload": _recommended(saw, problem),
+        "recommended_preload": _recommended(problem),
         "nearest": [one._asdict() for one in nearest],
         "crossings": [one._asdict() | {"speed_margin": kind.finite(one.speed_margin)} for one in crossings],
     }
 
 
-def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
+def _speeds_m_s(problem: SawProblem, side: Side) -> FloatArray:
     """Return speeds from rest to half as fast again as at work, or to nearly the critical speed."""
-    static_N = saw.preload_N + 0.5 * side.sign * saw.tension_difference_N
-    held = saw.linear_density_kg_m * max(1.0 - saw.mounting_factor, 1e-3)
-    fastest = min(1.5 * max(saw.speed_m_s, 1.0), _FASTEST * math.sqrt(static_N / held))
-    return np.linspace(0.0, fastest, _SPEEDS)
+    static_N = problem.preload_N + side.sign * problem.pull_N
+    loose = 1.0 if problem.mounting_factor is None else max(1.0 - float(problem.mounting_factor[0]), 1e-3)
+    critical_m_s = np.sqrt(static_N / (loose * problem.linear_density_kg_m))
+    at_work_m_s = 0.0 if problem.speed_m_s is None else float(problem.speed_m_s[0])
+    return np.linspace(0.0, min(1.5 * max(at_work_m_s, 1.0), _FASTEST * float(critical_m_s[0])), _SPEEDS)
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
@@ -437,19 +437,11 @@ def _resonance_part(found: Mapping[str, Any]) -> section.Section:
 
 
 def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | None:
-    saw = _saw(answer, problem)
-    if saw is None or not problem.excitations:
+    if problem.speed_m_s is None or not problem.excitations:
         return None
-    speeds = min((_speeds_m_s(saw, side) for side in _RUNNING), key=lambda one: float(one[-1]))
-    return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
-
-
-def _layout(problem: SawProblem) -> dict[str, tuple[kind.Wheel, ...]]:
-    if problem.saw is None:
-        return {}
-    known = problem.saw.wheel_radius_m, float(problem.wheel_wrap_rad[0])
-    driver = kind.Wheel("driver", *known, "driver", apart_m=float(problem.free_span_m[0]))
-    return {"blade": (driver, kind.Wheel("driven", *known))}
+    seen = _simulated(answer, problem)
+    speeds = min((_speeds_m_s(seen, side) for side in _RUNNING), key=lambda one: float(one[-1]))
+    return resonance.saw_chart(seen, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
 KIND = kind.Kind(
@@ -472,7 +464,6 @@ KIND = kind.Kind(
     },
     sections=_sections,
     beyond={"resonance": "margins, crossings and the preload recommended"},
-    layout=_layout,
     words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

@@ -29,7 +29,6 @@ from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.motion import settled_press
-from ropefric.systems.press.transient.start_up import StartUp
 
 _ROLES = ("driver", "driven", "tensioner")
 
@@ -206,7 +205,6 @@ class StartUpTable(kind.Table):
     speeds : Of a table, at its times.
     simulate : How long the start-up is followed.
     points : Times at which the answer is written down.
-    slip : Whether rollers may slip and belts go slack.
     loads : Whether the sludge's torques grow with the speed or are whole from the start.
     """
 
@@ -216,11 +214,10 @@ class StartUpTable(kind.Table):
     speeds: list[Annotated[float, kind.key("m/s", "0.5 m/s", above=None)]] | None = None
     simulate: Annotated[float, kind.key("s", "20 s")]
     points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
-    slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("integrator", "step", "tolerance"), "remove it; a start-up is solved by matrix exponentials"
-    )
+    ) | {"slip": "remove it; a large coefficient lets no belt slip"}
 
     def _check(self) -> None:
         needed = {"table": ("times", "speeds"), "ramp": ("duration",), "s-curve": ("duration",)}
@@ -316,7 +313,6 @@ def _task(table: StartUpTable, speed_m_s: float) -> dict[str, Any]:
     return {
         "speed": law(**{name: known[name] for name in signature(law).parameters}),
         "time_s": np.linspace(0.0, table.simulate, table.points),
-        "slip": table.slip,
         "loads": table.loads,
     }
 
@@ -382,7 +378,7 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
     found = {
         "peak_tension_N": max(summary["peak_tension_N"].values()),
         "lowest_tension_N": min(summary["lowest_tension_N"].values()),
-        "peak_utilisation": max(summary["peak_utilisation"].values(), default=math.nan),
+        "peak_utilisation": max(summary["peak_utilisation"].values()),
         "slips": float(bool(summary["slipping_s"])),
         "slipping_s": sum(summary["slipping_s"].values()),
         "drive_work_J": summary["drive_work_J"],
@@ -394,13 +390,13 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
     """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer.
 
-    There a belt that may not lift off, since no slip is simulated, may have to push. Either may stretch a belt too far.
+    Either may stretch a belt too far.
     """
     press, tension_N = problem.press, answer.state.tension_N
     if problem.start_up is not None:
         if answer.start_up is None:
             return ()
-        found, tension_N = [_pushes(answer.start_up)], answer.start_up.tension_N.max(axis=0)[np.newaxis]
+        found, tension_N = [], answer.start_up.tension_N.max(axis=0)[np.newaxis]
     else:
         largest = answer.slip.utilisation.max(axis=-1)
         words = "a roller slips, so a steady run is not possible"
@@ -409,18 +405,6 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
         stiffness_N = np.array([belt.axial_stiffness_N for belt in press.belts]) @ press.carried
         found.append(kind.strained("a belt", (tension_N / stiffness_N).max(axis=-1)))
     return tuple(found)
-
-
-def _pushes(found: StartUp) -> kind.Failure:
-    when, span = np.unravel_index(int(np.argmin(found.tension_N)), found.tension_N.shape)
-    lowest_N, largest_N = found.tension_N.min(), np.abs(found.tension_N).max()
-    measure = (
-        f"in span {found.press.spans[span].name} at {found.time_s[when]:.4g} s the lowest tension in N is"
-    )
-    words = "a belt would have to push"
-    return kind.Failure(
-        words, measure, np.array([lowest_N]), np.array([lowest_N < -1e-9 * largest_N]), limit=0.0
-    )
 
 
 def _undecided(answer: PressAnswer, _: PressProblem, error: float) -> tuple[str, ...]:
@@ -602,8 +586,7 @@ def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     for name, ends in members.items():
         values = getattr(found, name)
-        if values is not None:  # without friction there is no utilisation
-            columns |= {f"{name}.{end}": values[:, i].astype(np.float64) for i, end in enumerate(ends)}
+        columns |= {f"{name}.{end}": values[:, i].astype(np.float64) for i, end in enumerate(ends)}
     return columns
 
 
@@ -629,7 +612,6 @@ KIND = kind.Kind(
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,
-    layout=lambda problem: kind.loops(problem.press),
     histories={"start_up.csv": _start_up_columns},
     figures={
         "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "draw_press_start_up")  # noqa: ARG005

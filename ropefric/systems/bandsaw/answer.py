@@ -14,19 +14,19 @@ limit; buckling is static, so that of a running blade only its net tension matte
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 from numpy.polynomial import legendre
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.resonance import Excitation
-from ropefric.systems.bandsaw.saw import Saw, Section, Side
+from ropefric.systems.bandsaw.saw import Excitation, Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Cases, Positive, Share, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
@@ -62,15 +62,6 @@ class SawProblem(Cases):
         if self.wheel_radius_m is None or self.wheel_speed_rad_s is None:
             return None
         return self.wheel_speed_rad_s * self.wheel_radius_m
-
-    @property
-    def saw(self) -> Saw | None:
-        """Return the whole saw of the first case; None where its wheels are not known."""
-        if self.speed_m_s is None:
-            return None
-        parts = {one.name: getattr(self, one.name) for one in fields(Saw)}
-        numbers = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
-        return Saw(**numbers, ends=self.ends)
 
     @property
     def inertia_N(self) -> FloatArray:
@@ -109,6 +100,26 @@ class SawModel(Model[SawProblem]):
             runs = {name: abs(side.sign) * value for name, value in running.items()}
             found[side] = Span(**blade, **runs, bending_stiffness_N_m2=stiff)
         return found
+
+
+_PARTS = frozenset({"tension-difference", "wheel-inertia-tension", "travel", "bending"})
+
+
+def span_of(
+    problem: SawProblem, side: Side, *, speed_m_s: npt.ArrayLike | None = None, **changed: npt.ArrayLike
+) -> Span:
+    """Return one side of a blade with all its parts in it; another speed and other values may be given, one or many."""
+    if speed_m_s is not None:
+        changed["wheel_speed_rad_s"] = np.asarray(speed_m_s) / problem.wheel_radius_m
+    return SawModel(problem=replace(problem, **changed), effects=_PARTS).spans[side]  # type: ignore[arg-type]
+
+
+def frequencies_Hz(
+    problem: SawProblem, side: Side, n_modes: int = 6, *, accuracy: float = 1e-10, **changed: npt.ArrayLike
+) -> FloatArray:
+    """Return the first frequencies of one side of a blade with all its parts in it [Hz], shape (n, n_modes)."""
+    span = span_of(problem, side, **changed)
+    return beam_frequencies_Hz(span, problem.ends, n_modes, accuracy=accuracy)
 
 
 class SideAnswer(NamedTuple):

@@ -1,17 +1,15 @@
-"""A band saw: one blade on two wheels, what it is made of, what drives it, and the frequencies of its two sides."""
+"""A band saw: one blade on two wheels, what it is made of, what drives it, and what shakes it."""
 
 import math
 from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import checked
 
 
@@ -81,56 +79,15 @@ class Side(StrEnum):
         return {Side.TIGHT: 1.0, Side.SLACK: -1.0, Side.REST: 0.0}[self]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Saw:
-    """The data of a saw."""
+class Excitation(NamedTuple):
+    """A cause of vibration and its harmonics: f_h(v) = h (f_0 + v/λ)."""
 
-    free_span_m: float
-    linear_density_kg_m: float
-    preload_N: float
-    wheel_radius_m: float
-    wheel_speed_rad_s: float
-    tension_difference_N: float = 0.0
-    mounting_factor: float = 0.0
-    bending_stiffness_N_m2: float = 0.0
-    ends: Ends = CLAMPED
+    name: str
+    constant_Hz: float = 0.0
+    per_metre: float = 0.0
+    harmonics: tuple[int, ...] = (1,)
 
-    @property
-    def speed_m_s(self) -> float:
-        """Return the blade's speed at work v = ω R [m/s]."""
-        return self.wheel_speed_rad_s * self.wheel_radius_m
-
-
-def span_of(
-    saw: Saw, side: Side, *, speed_m_s: npt.ArrayLike | None = None, preload_N: npt.ArrayLike | None = None
-) -> Span:
-    """Return one side of a saw with all its parts in it, for one speed and preload or many."""
-    speed = abs(side.sign) * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
-    parts: dict[str, Any] = {
-        name: getattr(saw, name)
-        for name in ("free_span_m", "linear_density_kg_m", "mounting_factor", "bending_stiffness_N_m2")
-    }
-    return Span(
-        **parts,
-        preload_N=np.asarray(saw.preload_N if preload_N is None else preload_N),
-        pull_N=np.asarray(0.5 * side.sign * saw.tension_difference_N),
-        wheel_speed_m_s=speed,
-        travel_speed_m_s=speed,
-    )
-
-
-def frequencies_Hz(
-    saw: Saw,
-    side: Side,
-    n_modes: int = 6,
-    *,
-    speed_m_s: npt.ArrayLike | None = None,
-    preload_N: npt.ArrayLike | None = None,
-    accuracy: float = 1e-10,
-) -> FloatArray:
-    """Return the first frequencies of one side of a saw [Hz], shape (m, n_modes).
-
-    Arguments as in `span_of`; `accuracy` is that of the beam, where the blade is one.
-    """
-    span = span_of(saw, side, speed_m_s=speed_m_s, preload_N=preload_N)
-    return beam_frequencies_Hz(span, saw.ends, n_modes, accuracy=accuracy)
+    def frequencies_Hz(self, speed_m_s: npt.ArrayLike) -> FloatArray:
+        """Return the frequencies of the harmonics at blade speeds, shape (…, n_harmonics) [Hz]."""
+        basic = self.constant_Hz + self.per_metre * np.abs(np.asarray(speed_m_s, dtype=np.float64))
+        return np.multiply.outer(basic, np.asarray(self.harmonics, dtype=np.float64))

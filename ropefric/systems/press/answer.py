@@ -130,7 +130,6 @@ def solve_press(model: PressModel) -> PressAnswer:
         moved = start_up(
             model.as_operated,
             effects=model.effects,
-            exact_switching="exact-switching" in model.effects,
             follows="transient-friction" in model.effects,
             **law,
             **task,

@@ -79,15 +79,13 @@ def at_kept_lengths_N(
     regressors: frozenset[str] = EVERYTHING,
     pretension_N: FloatArray | None = None,
     grip: FloatArray | float = 1.0,
-    start_N: FloatArray | float = 0.0,
     strict: bool = True,
 ) -> FloatArray:
     """Return T' at which all fixed belts have their unstretched length, shape (..., n_spans) as the T' to begin with.
 
     `by_preload` is that of the statics, `circling_N` ρAv² of every span where the belts' mass counts, `grip` a factor
     on all coefficients; the pretensions are those of the press where none are given, shape (..., n_fixed). Newton's
-    method, with slopes from small differences of the levels; `start_N` is a change of levels to begin with, where one is
-    known to be near. Where it does not settle, `strict` refuses; else T' is NaN.
+    method, with slopes from small differences of the levels. Where it does not settle, `strict` refuses; else T' is NaN.
     """
     ways = _ways(press)
     n_fixed = len(ways)
@@ -129,7 +127,7 @@ def at_kept_lengths_N(
             found.append(excess_N_m / (way.span_m + way.arc_m).sum())
         return np.stack(found, axis=-1)
 
-    tension_N = trial_N = effective_tension_N + start_N
+    tension_N = trial_N = effective_tension_N
     # One case as it is, and one with each level raised, side by side.
     raised = np.vstack([np.zeros(len(by_level)), by_level.T])
     raised = raised.reshape(n_fixed + 1, *(1,) * (tension_N.ndim - 1), -1)

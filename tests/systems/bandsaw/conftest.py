@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.systems.bandsaw.saw import STEEL_85_09, Saw, Side, tension_difference_N, torque_N_m
+from ropefric.systems.bandsaw.answer import SawProblem
+from ropefric.systems.bandsaw.saw import STEEL_85_09, Side, tension_difference_N, torque_N_m
 
 PUBLISHED = Path(__file__).parents[3] / "data" / "published"
 
@@ -28,7 +29,7 @@ def saw(machine):
     omega = machine["wheel_speed"] * math.pi / 30.0
     radius = 0.5 * machine["wheel_diameter"]
     torque = torque_N_m(1e3 * machine["power"], omega, printed=True)
-    return Saw(free_span_m=machine["free_span"],
+    return SawProblem(free_span_m=machine["free_span"], n_modes=6,
                linear_density_kg_m=machine["density"] * machine["cross_section"],
                preload_N=machine["preload"], wheel_radius_m=radius, wheel_speed_rad_s=omega,
                tension_difference_N=float(tension_difference_N(torque, radius)))  # fmt: skip

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.errors import InputError, SolverError
+from ropefric.systems.bandsaw.answer import frequencies_Hz, span_of
 from ropefric.systems.bandsaw.beam import (
     ScaledBeam,
     beam_frequencies_Hz,
@@ -20,7 +21,7 @@ from ropefric.systems.bandsaw.beam import (
     waves_of,
     widths_for,
 )
-from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
+from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
 
 # Scaled reference values: ends, V -> first two frequencies at eps² = 1e-2.

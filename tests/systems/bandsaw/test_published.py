@@ -2,20 +2,26 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ropefric.systems.bandsaw.answer import torsion_frequencies_Hz
+from ropefric.systems.bandsaw.answer import frequencies_Hz, span_of, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.saw import (
     STEEL_85_09,
     Side,
-    frequencies_Hz,
-    span_of,
     tension_difference_N,
     torque_N_m,
 )
 from ropefric.systems.bandsaw.span import string_frequencies_Hz
+
+
+def plain(saw):
+    """Return the numbers of one saw."""
+    names = ("free_span_m", "linear_density_kg_m", "preload_N", "wheel_radius_m", "wheel_speed_rad_s",
+             "tension_difference_N", "speed_m_s")  # fmt: skip
+    return SimpleNamespace(**{name: float(getattr(saw, name)[0]) for name in names})
 
 
 def frequency_Hz(mode, free_span_m, wave_speed_m_s, speed_m_s=0.0):
@@ -41,7 +47,7 @@ def printed_frequencies_Hz(saw, table, side, runs, power_kW):
     Table 1 cuts n f_1 off after the first decimal. Tables 2 and 3 have M by 9549, ΔF in full newtons, v cut off to
     35.5 m/s, c to a tenth, and multiply an f_1 of one decimal, cut off in the running columns of table 2.
     """
-    modes = np.arange(1.0, 7.0)
+    saw, modes = plain(saw), np.arange(1.0, 7.0)
     if table == 1:
         wave_m_s = math.sqrt(saw.preload_N / saw.linear_density_kg_m)
         return np.floor(10.0 * frequency_Hz(modes, saw.free_span_m, wave_m_s)) / 10.0
@@ -65,6 +71,7 @@ def string_span(saw, table, side, runs):
 
 
 def test_drive(machine, saw):
+    saw = plain(saw)
     omega = machine["wheel_speed"] * math.pi / 30.0
     assert saw.speed_m_s == pytest.approx(35.552, abs=5e-4)
     assert saw.tension_difference_N == pytest.approx(210.95, abs=5e-3)
@@ -101,9 +108,11 @@ def test_what_the_unrounded_torque_factor_changes_is_below_the_last_printed_digi
 
 
 def test_beam_and_torsion_of_a_likely_section(saw, stiffness):
-    assert STEEL_85_09.linear_density_kg_m == pytest.approx(saw.linear_density_kg_m, rel=1e-14)
+    assert STEEL_85_09.linear_density_kg_m == pytest.approx(plain(saw).linear_density_kg_m, rel=1e-14)
     stiff = replace(saw, bending_stiffness_N_m2=stiffness, mounting_factor=1.0)
-    assert math.sqrt(stiffness / (saw.preload_N * saw.free_span_m**2)) == pytest.approx(0.0110, abs=5e-5)
+    assert math.sqrt(stiffness / (plain(saw).preload_N * plain(saw).free_span_m ** 2)) == pytest.approx(
+        0.0110, abs=5e-5
+    )
     assert frequencies_Hz(stiff, T)[0, 0] == pytest.approx(22.28, abs=5e-3)
     assert frequencies_Hz(stiff, S)[0, 0] == pytest.approx(21.50, abs=5e-3)
     torsion = torsion_frequencies_Hz(span_of(saw, R), STEEL_85_09)

@@ -9,13 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.answer import torsion_frequencies_Hz
+from ropefric.systems.bandsaw.answer import frequencies_Hz, span_of, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.saw import (
     STEEL_85_09,
     Section,
     Side,
-    frequencies_Hz,
-    span_of,
     tension_difference_N,
     torque_N_m,
 )

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ropefric.accuracy.studies.press_transient import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import ElasticPress
 
 RADII_MM = [175, 75, 75, 75, 250, 200, 175, 150, 100, 175, 75, 75, 75]

@@ -1,8 +1,8 @@
-"""A start-up with slip and slack: exact steps inside each mode, and a search for the moment at which one ends.
+"""A start-up with slip and slack: exact steps inside each mode, and changes of mode met inside the steps of a grid.
 
-Exact steps of dy/dt = A y + B u(t) with polynomial u, and exact integrals of squares of the solution: a polynomial of
-degree r is itself the solution of dp/dt = N p with p_j = τ^j/j!, so one exponential of the joint matrix carries both
-over a step of any length: there is no error of discretisation, however stiff A is. Ways and speeds differ by the
+Exact steps of dy/dt = A y + B u(t) with polynomial u: a polynomial of degree r is itself the solution of dp/dt = N p
+with p_j = τ^j/j!, so one exponential of the joint matrix carries both over a step of any length: there is no error of
+discretisation, however stiff A is. Ways and speeds differ by the
 frequencies in size; balanced by powers of two, slow motions keep their digits beside fast ones.
 """
 
@@ -10,14 +10,14 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, TypeAlias
+from itertools import pairwise
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigvals, expm, matrix_balance
 from scipy.optimize import brentq
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import SolverError
 from ropefric.systems.press.slip import LEAST_SLACK_N
 from ropefric.systems.press.transient.drives import LOAD, ONE, Inputs
@@ -29,7 +29,7 @@ from ropefric.systems.press.transient.motion import (
     FrictionLimit,
     Mode,
     Motion,
-    power_forms,
+    power_rows,
     starting_state,
     sticking,
 )
@@ -74,26 +74,6 @@ class Propagator:
         generator, weights = self._balanced
         return np.asarray(weights[:, None] * expm(length_s * generator) / weights)
 
-    def integrals(self, forms: FloatArray, length_s: float) -> FloatArray:
-        """Return the matrices X with zᵀ X z = ∫ wᵀ S w dt over a step that starts at z."""
-        generator, weights = self._balanced
-        reading = self.read * weights
-        doublings = max(
-            0, math.ceil(math.log2(max(float(np.linalg.norm(generator, 1)) * length_s, 1e-300))) + 1
-        )
-        h = length_s / 2.0**doublings
-        term = h * (reading.T @ forms @ reading)
-        total = term.copy()
-        for order in range(2, TAYLOR_TERMS):
-            product = term @ generator
-            term = (h / order) * (product + product.transpose(0, 2, 1))
-            total += term
-        flow = np.asarray(expm(h * generator))
-        for _ in range(doublings):
-            total = total + flow.T @ total @ flow
-            flow = flow @ flow
-        return np.asarray(total / np.outer(weights, weights))
-
 
 MOST_STEPS = 500_000
 """Of a start-up; each takes some 50 µs."""
@@ -103,8 +83,8 @@ def check_steps(needed: float) -> None:
     """Refuse a start-up of more steps than anybody waits for; return quietly otherwise."""
     if not needed <= MOST_STEPS:
         raise SolverError(
-            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
-            " tolerance asked for, is too short for the time simulated",
+            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation is"
+            " too short for the time simulated",
             code="RF524",
             key="start_up.simulate",
             fix="simulate a shorter time, or correct the inertias, masses and stiffnesses",
@@ -129,7 +109,7 @@ class Guard(NamedTuple):
 
 
 def guards_of(motion: Motion) -> list[Guard]:
-    """Return the guards of a mode: of the drags, and where friction has a limit of slip and slack."""
+    """Return the guards of a mode: of the drags, of slip and of slack."""
     model, mode, found = motion.model, motion.mode, []
     force_N = _FORCE_SHARE * float(model.preload_N.max())
     for i in np.flatnonzero(model.drag_N).tolist():
@@ -138,8 +118,6 @@ def guards_of(motion: Motion) -> list[Guard]:
             continue
         held_N = model.drag_N[i] * motion.inputs[LOAD]
         found += [Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
-    if motion.limit is None:
-        return found
     for i, contact in enumerate(mode.contact):
         if contact == STICK:
             for way, most_N in zip((FORWARD, BACKWARD), motion.limit_N, strict=True):
@@ -196,70 +174,16 @@ def switched(motion: Motion, guard: Guard, w: FloatArray) -> tuple[Mode, FloatAr
     return put("turning", guard.direction), state
 
 
-_STEPS_PER_PERIOD = 24
+_STEPS_PER_PERIOD = 12
 """Guards are looked at this often in a period of the fastest oscillation; extremes between are interpolated."""
-
-_FIRST_HALVINGS = 6
-"""Of the longest step after a change of mode; more where a motion that only dies does so in less than that."""
-
-
-class Phase(Propagator):
-    """One mode during one piece of the drive, ready to be stepped through and watched."""
-
-    def __init__(self, motion: Motion, taylor: FloatArray, guards: list[Guard]) -> None:
-        rows, n = motion.derivative, len(motion.derivative)
-        super().__init__(rows[:, :n], rows[:, n:], taylor)
-        self.motion, self.guards = motion, guards
-        self.tolerances = np.array([guard.tolerance for guard in self.guards])
-        # The guards, and below them their rates, as rows over z.
-        n_w, n_z = self.read.shape
-        rate = np.vstack([rows @ self.read, np.eye(n_z - n, n_z, k=n + 1)])
-        watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
-        self.rate, self.watch = rate, np.vstack([watched, watched @ rate])
-        self._flows, self._works = dict[float, FloatArray](), dict[float, FloatArray]()
-
-    @cached_property
-    def forms(self) -> FloatArray:
-        """Return the powers as symmetric matrices."""
-        return power_forms(self.motion)
-
-    @cached_property
-    def step_s(self) -> float:
-        """Return the longest step at which no oscillation is overlooked [s]; any, where nothing is watched."""
-        swinging = self._rates[self._rates.imag != 0.0]
-        fastest = float(np.abs(swinging).max(initial=0.0))
-        return 2.0 * np.pi / (fastest * _STEPS_PER_PERIOD) if fastest else np.inf
-
-    @cached_property
-    def _rates(self) -> npt.NDArray[np.complex128]:
-        return np.asarray(eigvals(self.state), np.complex128) if self.guards else np.zeros(0, np.complex128)
-
-    def lengths(self, whole_s: float, since_s: float) -> list[float]:
-        """Return steps that cover a time; short ones soon after a change, since fast motions die early."""
-        longest, halvings = min(self.step_s, whole_s), 0
-        if self.guards:
-            dies = float(np.abs(self._rates).max(initial=0.0)) * longest
-            halvings = max(_FIRST_HALVINGS, math.ceil(math.log2(max(dies, 1.0))))
-            if since_s > 0.0:
-                halvings = min(halvings, math.ceil(math.log2(max(longest / since_s, 1.0))))
-        first = [longest / 2**k for k in (halvings, *range(halvings, 0, -1))] if halvings else []
-        left = whole_s - sum(first)
-        check_steps(left / longest)
-        count = max(1, int(np.ceil(left / longest)))
-        # Rounding makes equal steps differ in their last digits; one matrix serves them all.
-        return [*first, *[float(f"{left / count:.11e}")] * count]
-
-    def flow_over(self, length_s: float) -> FloatArray:
-        """Return the matrix of z after a step, kept for a length that comes again."""
-        if length_s not in self._flows:
-            self._flows[length_s] = self.step(length_s)
-        return self._flows[length_s]
-
-    def works_over(self, length_s: float) -> FloatArray:
-        """Return the matrices of the works during a step, kept as well; they take longer than all else."""
-        if length_s not in self._works:
-            self._works[length_s] = self.integrals(self.forms, length_s)
-        return self._works[length_s]
+_UNITS = 2**42
+"""Places of the grid between two times asked for: so near that a moment is one of them."""
+_LEVELS = 6
+"""Number of halvings of the longest step that gives the first step after a change."""
+_TURNED = 2.0
+"""‖hG‖ of the shortest part at most, whose Taylor series needs no more terms than there are."""
+_BLOCK, _KEPT = 32, 64
+"""Steps looked at together at most, and works taken together: products that BLAS does not share among threads."""
 
 
 def lowest_between(
@@ -287,6 +211,94 @@ def near_zero(falling: FloatArray, rising: FloatArray) -> FloatArray:
 
 Along: TypeAlias = Callable[[float], FloatArray]
 """z as a function of the time from now on."""
+
+
+class Phase(Propagator):
+    """One mode during one piece of the drive, with its steps of a grid, ready to be stepped through and watched."""
+
+    def __init__(self, motion: Motion, taylor: FloatArray, guards: list[Guard], gap_s: float) -> None:
+        rows, n = motion.derivative, len(motion.derivative)
+        super().__init__(rows[:, :n], rows[:, n:], taylor)
+        self.motion, self.guards, self.gap_s = motion, guards, gap_s
+        self.tolerances = np.array([guard.tolerance for guard in self.guards])
+        # The guards, and below them their rates, as rows over z.
+        n_z = self.read.shape[1]
+        self.rate = np.vstack([rows @ self.read, np.eye(n_z - n, n_z, k=n + 1)])
+        watched = np.vstack([guard.row for guard in self.guards]) @ self.read
+        self.watch = np.vstack([watched, watched @ self.rate])
+
+    @cached_property
+    def step_s(self) -> float:
+        """Return the longest step at which no oscillation is overlooked [s]."""
+        rates = np.asarray(eigvals(self.state), np.complex128)
+        fastest = float(np.abs(rates[rates.imag != 0.0]).max(initial=0.0))
+        return min(2.0 * np.pi / (fastest * _STEPS_PER_PERIOD) if fastest else np.inf, self.gap_s)
+
+    @cached_property
+    def flows(self) -> tuple[int, list[FloatArray]]:
+        """Return how often the gap is halved first, and the matrices of that part, half of it, and so on."""
+        first = math.ceil(math.log2(self.gap_s / self.step_s))
+        turned = float(np.linalg.norm(self._balanced[0], 1)) * self.gap_s
+        last = max(first + _LEVELS, math.ceil(math.log2(max(turned, _TURNED) / _TURNED)))
+        if 2**last > _UNITS:
+            raise SolverError(
+                "no grid is fine enough for the fastest motion",
+                code="RF524",
+                fix="correct the inertias, masses and stiffnesses",
+            )
+        flows = [self.step(self.gap_s / 2**last)]
+        while len(flows) <= last - first:
+            flows.insert(0, flows[0] @ flows[0])
+        return first, flows
+
+    def along(self, z: FloatArray, within_s: float) -> Along:
+        """Return z as a function of the time from now on, within a part so short that its Taylor series is exact."""
+        generator, weights = self._balanced
+        rows = [z / weights]
+        for order in range(1, TAYLOR_TERMS):
+            rows.append((within_s / order) * (generator @ rows[-1]))
+        series, orders = weights[:, np.newaxis] * np.transpose(rows), np.arange(TAYLOR_TERMS)
+        return lambda tau_s: np.asarray(series @ (tau_s / within_s) ** orders)
+
+    @cached_property
+    def firing(self) -> tuple[FloatArray, FloatArray]:
+        """Return the guards, and their rates, over the guards' tolerances, as columns over z."""
+        margins, rates = np.split(self.watch, 2)
+        return (margins / self.tolerances[:, np.newaxis]).T, (rates / self.tolerances[:, np.newaxis]).T
+
+    def suspects(self, states: FloatArray, length_s: float) -> BoolArray:
+        """Return in which of equal steps a guard ends below zero, or may have been there between."""
+        margins, rates = (states @ rows for rows in self.firing)
+        rates *= length_s
+        low, falling, rising = margins[1:].copy(), rates[:-1], rates[1:]
+        turning = (falling < 0.0) & (rising > 0.0)
+        if turning.any():
+            falling, rising = falling[turning], rising[turning]
+            lowest = lowest_between(margins[:-1][turning], low[turning], falling, rising)[1]
+            low[turning] = np.minimum(low[turning], lowest - near_zero(falling, rising))
+        return np.asarray((low < -1.0).any(axis=1))
+
+    def works(self, states: FloatArray, lengths_s: FloatArray, asked: IntArray) -> FloatArray:
+        """Return the works up to some of these states, shape (n, 6): by trapezoids and the slopes at their ends."""
+        (forces, speeds), (harder, faster), starts = self._rows
+        powers = np.add.reduceat((states @ forces.T) * (states @ speeds.T), starts, axis=1)
+        half_s = 0.5 * lengths_s[:, np.newaxis]
+        made = np.cumsum(half_s * (powers[:-1] + powers[1:]), axis=0)[asked - 1]
+        # Σ h²/12 (p'_i − p'_(i+1)): among equal steps all but the ends cancel.
+        squares = np.diff(lengths_s**2, prepend=0.0) / 12.0
+        corners = np.flatnonzero(squares)
+        some = states[np.concatenate([corners, asked])]
+        slopes = (some @ harder.T) * (some @ speeds.T) + (some @ forces.T) * (some @ faster.T)
+        ahead, here = np.split(np.add.reduceat(slopes, starts, axis=1), [len(corners)])
+        gained = np.vstack([np.zeros(6), np.cumsum(squares[corners, np.newaxis] * ahead, axis=0)])
+        gained = gained[np.searchsorted(corners, asked)] - lengths_s[asked - 1, np.newaxis] ** 2 / 12.0 * here
+        return np.asarray(made + gained)
+
+    @cached_property
+    def _rows(self) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], list[int]]:
+        forces, speeds, starts = power_rows(self.motion)
+        forces, speeds = forces @ self.read, speeds @ self.read
+        return (forces, speeds), (forces @ self.rate, speeds @ self.rate), starts
 
 
 def first_dip(
@@ -343,60 +355,62 @@ _MAX_SWITCHES = 3_000
 
 
 class HybridSolver:
-    """A start-up whose drags oppose the motion, and in which belts slip and go slack where friction has a limit.
+    """A start-up whose drags oppose the motion, and whose belts slip and go slack.
 
-    Without `drags` the loads are as given whichever way their rollers turn, eqs. (10)-(20): with no limit either the
-    press is linear. `follow` gives the limit from the tensions beside the rollers, where it follows them.
+    `follow` gives the limit of friction from the tensions beside the rollers, where it follows them.
 
-    Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
-    guards of the mode are looked at 24 times in a period of its fastest oscillation.
+    Between two changes of a contact's or span's state the press is linear and what carries a step is known. All steps
+    are dyadic parts of the gap between two times asked for, so that a mode costs one exponential and its squarings,
+    and a mode that comes again nothing. Guards are looked at 12 times in a period of the fastest oscillation; a change
+    is met by halves of a step, and in the shortest part along the Taylor series of the solution. The works are
+    trapezoids of the powers and their slopes.
     """
-
-    phase_type = Phase
 
     def __init__(
         self,
         model: ElasticPress,
         inputs: Inputs,
-        limit: FrictionLimit | None,
+        limit: FrictionLimit,
         *,
-        drags: bool = True,
         follow: Callable[[FloatArray], FrictionLimit] | None = None,
     ) -> None:
-        self.model, self.inputs, self.limit, self.drags, self.follow = model, inputs, limit, drags, follow
+        self.model, self.inputs, self.limit, self.follow = model, inputs, limit, follow
         self.changes: list[tuple[float, Guard]] = []
         self._phases: dict[tuple[Mode, int], Phase] = {}
         self._motions: dict[Mode, Motion] = {}
         self.works = np.zeros(6)
-        self._changed_s = 0.0
         self._steps = 0
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
-        """Return motions, states and works at sorted times; the changes of mode are kept beside the guards."""
+        """Return motions, states and works at evenly spaced times from 0 on; `changes` has the guards that fired."""
         mode, y = self.begin()
+        gaps, starts_s = len(times_s) - 1, self.inputs.starts_s
+        self._gap_s = float(times_s[-1]) / gaps
+        self._unit_s = self._gap_s / _UNITS
         check_steps(float(times_s[-1]) / self.phase(mode, 0).step_s)
-        starts, wanted = self.inputs.starts_s, set(times_s.tolist())
-        motions, states, works = [], [], []
-        now = 0.0
-        for stop in np.union1d(times_s, starts[starts < times_s[-1]]).tolist():
-            if stop > now:
-                mode, y = self._advance(mode, y, now, stop)
-                now = stop
-            if stop in wanted:
-                mode, y = self.settle(mode, y, self._piece(now), now)
-                motions.append(self.motion(mode))
-                states.append(y)
-                works.append(self.works)
-        return motions, np.array(states), np.array(works)
+        starts = [round(start_s / self._unit_s) for start_s in starts_s[starts_s < times_s[-1]].tolist()]
+        self._kept: list[tuple[Motion, FloatArray, FloatArray]] = [(self.motion(mode), y, self.works)]
+        place = piece = 0
+        for piece, (begin, stop) in enumerate(pairwise([*starts, gaps * _UNITS])):
+            place = begin
+            while place < stop:
+                mode, y = self._settled(mode, y, piece, place)
+                phase = self.phase(mode, piece)
+                z = phase.lift(y, place * self._unit_s - float(starts_s[piece]))
+                guard, place, z = self._until_change(phase, z, place, stop)
+                y = z[: len(y)]
+                if guard is not None:
+                    mode, y = self.change(phase, guard, z, place * self._unit_s)
+        self._settled(mode, y, piece, place)
+        motions, states, works = zip(*self._kept, strict=True)
+        return list(motions), np.array(states), np.array(works)
 
     def begin(self) -> tuple[Mode, FloatArray]:
         """Return the mode and the state of the machine at rest, its drags holding it."""
         mode = sticking(self.model)
-        y = starting_state(self.motion(mode), self.inputs, held=self.drags)
+        y = starting_state(self.motion(mode), self.inputs, held=True)
         self._refresh(self.motion(mode), np.concatenate([y, self.inputs.at(0.0)]))
-        if self.drags:
-            mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
-        return mode, y
+        return replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist())), y
 
     def _refresh(self, motion: Motion, w: FloatArray) -> None:
         """Let the limit follow the tensions; what was made with the one before is of no use then."""
@@ -411,80 +425,103 @@ class HybridSolver:
             self._motions[mode] = Motion(self.model, mode, self.limit)
         return self._motions[mode]
 
-    def phase(self, mode: Mode, piece: int) -> Any:
+    def phase(self, mode: Mode, piece: int) -> Phase:
         """Return a mode during a piece of the drive."""
         if (mode, piece) not in self._phases:
-            motion = self.motion(mode)
-            guards = guards_of(motion) if self.drags else []
-            self._phases[mode, piece] = self.phase_type(motion, self.inputs.taylor[piece], guards)
+            motion, taylor = self.motion(mode), self.inputs.taylor[piece]
+            self._phases[mode, piece] = Phase(motion, taylor, guards_of(motion), self._gap_s)
         return self._phases[mode, piece]
 
-    def _piece(self, now: float) -> int:
-        return int(np.searchsorted(self.inputs.starts_s, now, side="right")) - 1
-
-    def _advance(self, mode: Mode, y: FloatArray, now: float, stop: float) -> tuple[Mode, FloatArray]:
-        piece, n = self._piece(now), len(y)
-        start = float(self.inputs.starts_s[piece])
-        remaining = stop - now
-        if now == start:
-            self._changed_s = now
-        while remaining > 0.0:
-            mode, y = self.settle(mode, y, piece, stop - remaining)
-            phase = self.phase(mode, piece)
-            z = phase.lift(y, stop - remaining - start)
-            for length in phase.lengths(remaining, stop - remaining - self._changed_s):
-                ended, passed, z = self._try(phase, z, length)
-                remaining -= passed
-                if ended is not None:
-                    self._changed_s = stop - max(remaining, 0.0)
-                    mode, y = self.change(phase, ended, z, self._changed_s)
-                    break
-            else:
-                y, remaining = z[:n], 0.0
+    def _settled(self, mode: Mode, y: FloatArray, piece: int, place: int) -> tuple[Mode, FloatArray]:
+        """Return mode and state after all changes of one moment."""
+        mode, y = self.settle(mode, y, piece, place * self._unit_s)
+        if place % _UNITS == 0:
+            self._kept[-1] = (self.motion(mode), y, self.works)
         return mode, y
 
-    def _try(self, phase: Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
-        """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
-        self._steps += 1
-        check_steps(self._steps)
-        flow = phase.flow_over(length)
+    def _until_change(
+        self, phase: Phase, z: FloatArray, place: int, end: int
+    ) -> tuple[Guard | None, int, FloatArray]:
+        """Return the guard that ends the mode, or None; the place that was reached, and z there."""
+        first, flows = phase.flows
+        longest, shortest = _UNITS >> first, _UNITS >> (first + len(flows) - 1)
+        begun, block, guard = place, 1, None
+        self._path, self._places = [z[np.newaxis]], [place]
+        while place < end and guard is None:
+            # As long as what has passed since the change, from one of its own multiples to the next.
+            length = min(longest, end - place, max(place - begun, shortest), (place & -place) or longest)
+            if length < shortest:
+                length = min(shortest - place % shortest, end - place)
+                states = np.array([z, phase.along(z, shortest * self._unit_s)(length * self._unit_s)])
+            else:
+                length = 1 << (length.bit_length() - 1)
+                count = min(block, (end - place) // length) if length == longest else 1
+                flow, states = flows[(longest // length).bit_length() - 1], np.empty((count + 1, len(z)))
+                states[0] = z
+                for i in range(count):
+                    np.dot(flow, states[i], out=states[i + 1])
+            self._steps += len(states) - 1
+            check_steps(self._steps)
+            suspects = phase.suspects(states, length * self._unit_s)
+            good = int(np.argmax(suspects)) if suspects.any() else len(suspects)
+            self._walk(states[: good + 1], length)
+            if good < len(suspects):
+                guard, block = self._meet(phase, states[good : good + 2], length, longest, flows), 1
+            else:
+                block = min(2 * block, _BLOCK)
+            place, z = self._places[-1], self._path[-1][-1]
+            if len(self._places) > _KEPT:
+                self._keep(phase)
+        self._keep(phase)
+        return guard, place, z
 
-        def along(tau: float) -> FloatArray:
-            return phase.step(tau) @ z
-
-        fired, passed = first_dip(phase, along, z, flow @ z, length)
-        guard = None
+    def _meet(
+        self, phase: Phase, ends: FloatArray, length: int, longest: int, flows: list[FloatArray]
+    ) -> Guard | None:
+        """Return the first guard that falls below zero in a step, gone up to there; None where none does after all."""
+        z, after = ends
+        shortest = longest >> (len(flows) - 1)
+        while length > shortest:
+            length //= 2
+            halved = np.array([z, flows[(longest // length).bit_length() - 1] @ z])
+            if phase.suspects(halved, length * self._unit_s)[0]:
+                after = halved[1]
+            else:
+                self._walk(halved, length)
+                z = halved[1]
+        along, guard = phase.along(z, shortest * self._unit_s), None
+        fired, bound_s = first_dip(phase, along, z, after, length * self._unit_s)
         if fired.any():
-            guard, passed = first_to_fall(phase, along, fired, passed)
-            if passed == 0.0:
-                return guard, passed, z
-            flow, integrals = phase.step(passed), phase.integrals(phase.forms, passed)
-        else:
-            integrals = phase.works_over(length)
-        strained = z.copy()
-        strained[: len(self._unmoved)] = self._unmoved @ z[: len(self._unmoved)]
-        self.works = self.works + (integrals @ strained) @ strained
-        return guard, passed, flow @ z
+            guard, passed_s = first_to_fall(phase, along, fired, bound_s)
+            length = min(math.ceil(passed_s / self._unit_s), length)
+            after = along(length * self._unit_s)
+        if length:
+            self._walk(np.array([z, after]), length)
+        return guard
 
-    @cached_property
-    def _unmoved(self) -> FloatArray:
-        """Return the projection that removes motions without strain: of turned rims and slipped belts.
+    def _walk(self, states: FloatArray, length: int) -> None:
+        """Go along equal steps, the first of which begins where the last one ended."""
+        begin = self._places[-1]
+        if len(states) > 1:
+            self._path.append(states[1:])
+        self._places.extend(range(begin + length, begin + length * len(states), length))
 
-        Squares of these times stiffnesses, which cancel, would drown the works in their rounding.
-        """
-        motion = self.motion(sticking(self.model))
-        n_q = motion.n_coordinates
-        strains = np.vstack([motion.spring_N / self.model.stiffness_N_m[:, np.newaxis], motion.travel_m])[
-            :, :n_q
-        ]
-        return np.asarray(np.linalg.pinv(strains) @ strains)
+    def _keep(self, phase: Phase) -> None:
+        """Add the works along the path, and keep of its states those that are asked for."""
+        states, places = np.concatenate(self._path), np.array(self._places)
+        if len(states) > 1:
+            asked = np.append(np.flatnonzero(places[1:-1] % _UNITS == 0), len(places) - 2) + 1
+            works = self.works + phase.works(states, np.diff(places) * self._unit_s, asked)
+            for i, work in zip(asked.tolist(), works, strict=True):
+                if places[i] % _UNITS == 0:
+                    self._kept.append((phase.motion, states[i, : len(phase.state)], work))
+            self.works = works[-1]
+        self._path, self._places = [states[-1:]], self._places[-1:]
 
     def settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
         """Switch until no guard is below zero."""
         for _ in range(_SWITCHES_AT_ONCE):
             phase = self.phase(mode, piece)
-            if not phase.guards:
-                return mode, y
             z = phase.lift(y, now - float(self.inputs.starts_s[piece]))
             margins = (phase.watch[: len(phase.guards)] @ z) / phase.tolerances
             # What has just been switched stands at minus its tolerance.

@@ -161,7 +161,7 @@ def friction_limit(
             f" a start-up with slip cannot resolve less than {_LEAST_GRIP:g} from no friction at all",
             code="RF523",
             key="friction",
-            fix="give a larger coefficient or wrap angle, or write slip = false",
+            fix="give a larger coefficient or wrap angle",
         )
     # Nodes of ∫ ds/α crowd near the slack side, where a falling μ is steepest.
     nodes, weights = _gauss()
@@ -474,12 +474,6 @@ def power_rows(motion: Motion) -> PowerRows:
     return forces, speeds, starts
 
 
-def power_forms(motion: Motion) -> FloatArray:
-    """Return the powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
-    products = np.array([force.T @ speed for force, speed in power_pairs(motion)])
-    return np.asarray(0.5 * (products + products.transpose(0, 2, 1)))
-
-
 def kinetic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
     """Return the kinetic energy of rollers, belts on them and tensioners at states w of shape (..., n_w)."""
     model = motion.model
@@ -493,8 +487,6 @@ def kinetic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
 def elastic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
     """Return the energy of the strained spans, and of the tensioners from their place at rest, at states w."""
     model = motion.model
-    spring, travel = w @ motion.spring_N.T, w @ motion.travel_m.T
-    if motion.limit is not None:
-        spring = np.maximum(spring, 0.0)  # the linear model's belts push, and store energy by it
+    spring, travel = np.maximum(w @ motion.spring_N.T, 0.0), w @ motion.travel_m.T
     held = travel**2 @ (0.5 * model.spring_N_m) + travel @ (model.press.pull @ model.preload_N)
     return np.asarray(spring**2 @ (0.5 / model.stiffness_N_m) + held)

@@ -3,7 +3,6 @@
 import math
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -17,8 +16,7 @@ from ropefric.errors import InputError, SolverError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import contacts_of, factor_in_motion
-from ropefric.systems.press.transient.capture import GridSolver
-from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
+from ropefric.systems.press.transient.drives import SPEED, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver
 from ropefric.systems.press.transient.motion import (
     MOVING,
@@ -67,8 +65,8 @@ class Energies:
         self.rounding_J = _ROUNDING * (most_J + float(motion.model.stiffness_N_m.max()) * way_m**2)
         self.relative_residual = float(np.abs(self.residual).max()) / self.scale_J
 
-    def check(self, times_s: FloatArray, share: float, *, loads_take: bool) -> None:
-        """Refuse an account that does not close, or where what only takes energy gives some, to a share of it all."""
+    def check(self, times_s: FloatArray, *, loads_take: bool) -> None:
+        """Refuse an account that does not close, or where what only takes energy gives some."""
         accounts = {
             "the loads drive": self.load if loads_take else 0.0 * self.load,
             "the belts' damping drives": self.belt,
@@ -79,7 +77,7 @@ class Energies:
             f"{what} the press": np.maximum.accumulate(taken) - taken for what, taken in accounts.items()
         } | {"the energies of the start-up do not add up": np.abs(self.residual)}
         worst = max(wrong, key=lambda what: float(wrong[what].max()))
-        broken = np.flatnonzero(wrong[worst] > share * self.scale_J + self.rounding_J)
+        broken = np.flatnonzero(wrong[worst] > _CLOSES * self.scale_J + self.rounding_J)
         if broken.size:
             raise SolverError(
                 f"{worst}: from t = {times_s[broken[0]]:.6g} s on, by {wrong[worst].max():.3g} J"
@@ -91,9 +89,8 @@ class Energies:
 
 
 _ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
-_CLOSES = 1e-8
-_LINEAR_CLOSES = 1e-3
-"""How much of the energy may be missing: by guards' tolerances; and where loads do not know how their rollers turn."""
+_CLOSES = 1e-3
+"""How much of the energy may be missing, by the quadrature of the powers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,8 +108,8 @@ class StartUp:
     slip_m: FloatArray
     slip_speed_m_s: FloatArray
     friction_N: FloatArray
-    utilisation: FloatArray | None
-    as_printed: FloatArray | None
+    utilisation: FloatArray
+    as_printed: FloatArray
     energy: Energies
     slips: tuple[SlipInterval, ...]
     settled: Settled | None
@@ -131,12 +128,12 @@ class StartUp:
         def named(names: Sequence[str], values: FloatArray) -> dict[str, float]:
             return dict(zip(names, values.tolist(), strict=True))
 
-        used, printed, ends = self.utilisation, self.as_printed, self.settled
+        ends = self.settled
         return {
             "peak_tension_N": named(spans, self.tension_N.max(axis=0)),
             "lowest_tension_N": named(spans, self.tension_N.min(axis=0)),
-            "peak_utilisation": {} if used is None else named(rollers, used.max(axis=0)),
-            "peak_as_printed": {} if printed is None else named(rollers, printed.max(axis=0)),
+            "peak_utilisation": named(rollers, self.utilisation.max(axis=0)),
+            "peak_as_printed": named(rollers, self.as_printed.max(axis=0)),
             "first_slip_s": first,
             "slipping_s": dict(total),
             "drive_work_J": float(self.energy.drive[-1]),
@@ -156,77 +153,37 @@ def start_up(
     *,
     speed: PPoly,
     time_s: npt.ArrayLike,
-    friction: float | WrapFriction | None = None,
-    slip: bool = True,
+    friction: float | WrapFriction,
     loads: Loads = "with-speed",
     effects: Collection[str] = MOVING,
-    exact_switching: bool = True,
     regressors: frozenset[str] = EVERYTHING,
     follows: bool = False,
 ) -> StartUp:
-    """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
+    """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts, at evenly spaced times.
 
-    The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
-    and none goes slack, and the problem is linear. With friction and `slip` a belt does not push, a roller takes no
-    more than T'_tight = T'_slack e^M with what accelerating the belt adds, and drag opposes the motion and holds at
-    rest; between two changes of these the solution is exact.
-    Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
-    start-up in which something that only takes energy drives the press is refused.
+    The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). A belt does not push, a roller
+    takes no more than T'_tight = T'_slack e^M with what accelerating the belt adds, and drag opposes the motion and
+    holds at rest; between two changes of these the solution is exact. A start-up in which something that only takes
+    energy drives the press is refused.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
-    inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction, regressors)
-    slips = limit is not None and slip
-    if slips:
-        _refuse_light_belts(model)
-
-    following = _following(model, friction, regressors) if follows else None
-    exponents, follow = following or (None, None)
-    solvers = _solvers(model, inputs, times, limit if slips else None, follow, in_grid=not exact_switching)
-
-    def made(solver: HybridSolver, share: float) -> StartUp:
-        found = _histories(limit, times, solver, exponents=exponents)
-        found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
-        return found
-
-    for solver, share in solvers[:-1]:
-        with suppress(SolverError):
-            return made(solver, share)
-    return made(*solvers[-1])
-
-
-def _refuse_light_belts(model: ElasticPress) -> None:
     if not (model.arc_mass_kg > 0.0).all():
         raise InputError(
             "a belt that slips moves by its own mass, but it has none on the rollers",
             key="arc_inertia",
-            fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
+            fix="give every belt a density and keep the effect arc-inertia",
         )
-
-
-def _solvers(
-    model: ElasticPress,
-    inputs: Inputs,
-    times_s: FloatArray,
-    limit: FrictionLimit | None,
-    follow: Callable[[FloatArray], FrictionLimit] | None,
-    *,
-    in_grid: bool,
-) -> list[tuple[HybridSolver, float]]:
-    """Return the solvers to try, the quickest first, and the share of the energy that each may miss."""
-    found: list[tuple[HybridSolver, float]] = []
-    if limit is None:
-        # The linear model, as long as no load drives it.
-        found.append((HybridSolver(model, inputs, None, drags=False), _LINEAR_CLOSES))
-    elif in_grid and _even(times_s):
-        # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
-        found.append((GridSolver(model, inputs, limit, follow=follow), GRID_ERROR))
-    return [*found, (HybridSolver(model, inputs, limit, follow=follow), _CLOSES)]
+    inputs = press_inputs(model.overspeed, speed, loads)
+    limit = friction_limit(model, friction, regressors)
+    exponents, follow = (_following(model, friction, regressors) if follows else None) or (None, None)
+    found = _histories(limit, times, HybridSolver(model, inputs, limit, follow=follow), exponents=exponents)
+    found.energy.check(times, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
+    return found
 
 
 def _following(
-    model: ElasticPress, friction: float | WrapFriction | None, regressors: frozenset[str]
+    model: ElasticPress, friction: float | WrapFriction, regressors: frozenset[str]
 ) -> tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FrictionLimit]] | None:
     """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
     if not (isinstance(friction, WrapFriction) and friction.follows_tension):
@@ -248,17 +205,8 @@ def _solved(solver: HybridSolver, times_s: FloatArray) -> tuple[list[Motion], Fl
             "the motion grows beyond all numbers",
             code="RF524",
             key="friction",
-            fix="give a coefficient that falls less steeply with the tension, or write slip = false",
+            fix="give a coefficient that falls less steeply with the tension",
         ) from None
-
-
-GRID_ERROR = 5e-3
-"""Largest effect of contact changes that are caught on a grid."""
-
-
-def _even(times_s: FloatArray) -> bool:
-    gaps = np.diff(times_s)
-    return bool(times_s[0] == 0.0 and len(gaps) and np.ptp(gaps) <= 1e-9 * gaps[0])
 
 
 def largest_difference(found: StartUp, other: StartUp) -> float:
@@ -296,7 +244,7 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
 
 
 def _histories(
-    limit: FrictionLimit | None,
+    limit: FrictionLimit,
     times: FloatArray,
     solver: HybridSolver,
     *,
@@ -305,7 +253,6 @@ def _histories(
     """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
     (motions, states, works), model, inputs = _solved(solver, times), solver.model, solver.inputs
     press = model.press
-    slips = motions[0].limit is not None
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
     for i, motion in enumerate(motions):
@@ -320,33 +267,30 @@ def _histories(
     first, tension = motions[0], read(lambda motion: motion.tension_N)
     friction_N, pressing_N = (read(lambda motion: motion.friction_N), read(lambda motion: motion.pressing_N))
     contact = np.array([motion.mode.contact for motion in motions], dtype=np.int8)
-    utilisation = as_printed = None
-    if limit is not None:
-        sides_N, forward = (pressing_N @ press.into.T, pressing_N @ press.out_of.T), friction_N >= 0.0
-        if exponents is not None:
-            kept = np.array(
-                [np.broadcast_to((one.limit or limit).share, (2, contact.shape[1])) for one in motions]
-            )
-            limit = FrictionLimit(
-                np.exp(exponents(np.where(forward, *sides_N))), np.where(forward, kept[:, 0], kept[:, 1])
-            )
-        arc_force_N = model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2)
-        utilisation = friction_utilisation(
-            limit,
-            friction_N=friction_N,
-            upstream_N=sides_N[0],
-            downstream_N=sides_N[1],
-            arc_force_N=arc_force_N,
+    sides_N, forward = (pressing_N @ press.into.T, pressing_N @ press.out_of.T), friction_N >= 0.0
+    if exponents is not None:
+        kept = np.array(
+            [np.broadcast_to((one.limit or limit).share, (2, contact.shape[1])) for one in motions]
         )
-        as_printed = factor_in_motion(*sides_N, np.log(limit.growth), arc_force_N)
-    if slips and utilisation is not None:
-        tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
-        # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
-        lifted = (pressing_N <= 0.0).astype(np.float64) @ np.abs(press.incidence).T > 0.0
-        ahead, behind = (read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1]))
-        most = np.where(friction_N >= 0.0, ahead, behind)
-        share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
-        utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+        limit = FrictionLimit(
+            np.exp(exponents(np.where(forward, *sides_N))), np.where(forward, kept[:, 0], kept[:, 1])
+        )
+    arc_force_N = model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2)
+    utilisation = friction_utilisation(
+        limit,
+        friction_N=friction_N,
+        upstream_N=sides_N[0],
+        downstream_N=sides_N[1],
+        arc_force_N=arc_force_N,
+    )
+    as_printed = factor_in_motion(*sides_N, np.log(limit.growth), arc_force_N)
+    tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
+    # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
+    lifted = (pressing_N <= 0.0).astype(np.float64) @ np.abs(press.incidence).T > 0.0
+    ahead, behind = (read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1]))
+    most = np.where(forward, ahead, behind)
+    share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
+    utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
     slip_m, final_m_s = w @ first.slip_m.T, float(inputs.taylor[-1, SPEED, 0])
     stands = (np.array(motions[-1].mode.turning) == 0) & (contact[-1] == STICK)
     at_end = np.select([contact[-1] != STICK, stands], ["slips", "stands"], "")
@@ -373,10 +317,11 @@ def _histories(
 
 def _checked(time_s: npt.ArrayLike) -> FloatArray:
     times = np.array(time_s, dtype=np.float64)
-    if times.ndim != 1 or not times.size or not np.isfinite(times).all():
+    if times.ndim != 1 or times.size < 2 or not np.isfinite(times).all():
         raise InputError("a start-up needs a list of finite times", key="time_s")
-    if times[0] < 0.0 or times[-1] <= 0.0 or (np.diff(times) <= 0.0).any():
-        raise InputError("the times of a start-up must rise from 0 on", key="time_s")
+    gaps_s = np.diff(times)
+    if times[0] != 0.0 or gaps_s[0] <= 0.0 or np.ptp(gaps_s) > 1e-9 * gaps_s[0]:
+        raise InputError("the times of a start-up must rise from 0 on, evenly", key="time_s")
     return times
 
 

@@ -235,8 +235,7 @@ def cost(
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
 
-    Of the lift-force integral, the end tension's root, break-away peaks and their pickers, intervals, fits, press, blade
-    and scenes.
+    Of the lift-force integral, break-away peaks and their pickers, intervals, press, blade and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.

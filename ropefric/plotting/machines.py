@@ -1,7 +1,7 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -16,8 +16,6 @@ from ropefric.glossary import GLOSSARY, answer_label
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
 from ropefric.scenes.explain import Explanation
-from ropefric.scenes.kind import Wheel
-from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Axis as SweepAxis
 from ropefric.scenes.sweep import Sweep
@@ -152,82 +150,6 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
     return FigureWithData(figure, (table,), f"Largest influence of each effect: {alt}.")
-
-
-_ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
-
-
-def draw_layout(scene: Scene) -> FigureWithData:
-    """Return the wheels of a machine and what lies on them, radii and wraps to scale, in the order of travel.
-
-    Two wheels of a loop face each other. In a longer loop each wheel has its wrap on top, because a scene does not
-    state where its wheels are. More than one turn on a wheel is drawn as a spiral.
-    """
-    belts = scene.kind.layout(scene.problem)
-    if not belts:
-        raise InputError(f"there is no figure of this {scene.kind.name} scene", fix="use to_frame()")
-    largest_mm = 1e3 * max(wheel.radius_m for wheels in belts.values() for wheel in wheels)
-    with drawing(9.0, 1.8 + 2.2 * len(belts)) as (figure, axes):
-        for row, (belt, wheels) in enumerate(belts.items()):
-            place = np.array([0.0, -4.2 * largest_mm * row])
-            _draw_loop(axes, wheels, place, apart_mm=0.4 * largest_mm)
-            if len(belts) > 1:
-                axes.text(-largest_mm, float(place[1]) + 1.4 * largest_mm, belt, style="italic")
-        axes.set(xlabel="Along the machine [mm]", ylabel="[mm]", aspect="equal")
-        axes.margins(0.08)
-        axes.grid(visible=False)
-        axes.set_title(f"{scene.kind.name}: radii and wraps to scale")
-        style.legend_below(axes, columns=4)
-    rows = [
-        (belt, one.name, one.role, one.radius_m, one.wrap_angle_rad) for belt in belts for one in belts[belt]
-    ]
-    table = DataTable.of_rows(("runs_over_it", "wheel", "role", "radius_m", "wrap_angle_rad"), rows)
-    told = ", ".join(f"{one[1]} {1e3 * one[3]:.4g} mm, {math.degrees(one[4]):.4g} deg" for one in rows)
-    return FigureWithData(figure, (table,), f"Layout of a {scene.kind.name}: {told}.")
-
-
-def _draw_loop(axes: Axes, wheels: Sequence[Wheel], place: FloatArray, *, apart_mm: float) -> None:
-    """Draw wheels in a row from a place on; where a scene gives no distance, this far apart beside their radii."""
-    ends, are_two = [], len(wheels) == 2
-    # A lone wheel so that its tight side hangs down.
-    lone = np.pi - 0.5 * wheels[0].wrap_angle_rad
-    middles = [lone] if len(wheels) == 1 else [np.pi, 0.0] if are_two else [0.5 * np.pi] * len(wheels)
-    for wheel, middle, after in zip(wheels, middles, [*wheels[1:], None], strict=True):
-        ends.append(_draw_wheel(axes, wheel, place, middle, stubs=not are_two))
-        if after is not None:
-            near_mm = 1.3e3 * (wheel.radius_m + after.radius_m) + apart_mm
-            step_mm = near_mm if math.isnan(wheel.apart_m) else 1e3 * wheel.apart_m
-            place = place + np.array([step_mm, 0.0])
-    for side in (0, 1) if are_two else ():
-        line = np.transpose([ends[0][side], ends[1][1 - side]])
-        axes.plot(*line, color=style.INK, linewidth=1.6)
-
-
-def _draw_wheel(
-    axes: Axes, wheel: Wheel, place: FloatArray, middle: float, *, stubs: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Draw a wheel and what lies on it about the direction of its middle; return where that begins and ends."""
-    radius_mm, turns = 1e3 * wheel.radius_m, wheel.wrap_angle_rad / (2.0 * np.pi)
-    along = np.linspace(0.0, 1.0, 121 * math.ceil(turns))
-    angle = middle + (along - 0.5) * wheel.wrap_angle_rad
-    # Turns lie beside each other on the wheel; here they are drawn outside each other.
-    lies_mm = radius_mm * (1.0 + min(0.04 * max(turns - 1.0, 0.0), 0.3) * along)
-    around, color = np.linspace(0.0, 2.0 * np.pi, 121), _ROLES.get(wheel.role, style.GREY)
-    disc = place[:, np.newaxis] + radius_mm * np.stack([np.cos(around), np.sin(around)])
-    axes.fill(*disc, facecolor=(color, 0.25), edgecolor=color, label=wheel.role)
-    lies = place[:, np.newaxis] + lies_mm * np.stack([np.cos(angle), np.sin(angle)])
-    axes.plot(*lies, color=style.INK, linewidth=1.6 if turns < 3.0 else 0.9)
-    for end, side, word in ((0, -1.0, wheel.ends[1]), (-1, 1.0, wheel.ends[0])):
-        if stubs:
-            away = side * radius_mm * np.array([-np.sin(angle[end]), np.cos(angle[end])])
-            x, y = lies[:, end] + (1.5 if word else 0.9) * away
-            arrow = {"arrowstyle": "<-" if word else "-", "linewidth": 1.6, "shrinkB": 0.0}
-            axes.annotate(style.typeset(word), tuple(lies[:, end]), (x, y), ha="center", arrowprops=arrow)
-            axes.update_datalim([(x, y)])
-    words = f"{wheel.name}\n{radius_mm:.4g} mm\n{math.degrees(wheel.wrap_angle_rad):.4g}°"
-    axes.text(place[0], place[1] - 1.15 * radius_mm, words, ha="center", va="top", fontsize=8)
-    axes.update_datalim([(place[0], place[1] - 2.0 * radius_mm)])
-    return lies[:, 0], lies[:, -1]
 
 
 _LEFT_BEHIND = 0.02

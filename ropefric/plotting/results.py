@@ -26,10 +26,9 @@ from ropefric.plotting.campaign import draw_extraction, draw_recording
 from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import OTHERS, draw_fit_band
-from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
+from ropefric.plotting.machines import draw_explanation, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
 from ropefric.scenes.explain import Explanation
-from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Sweep
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
@@ -43,7 +42,6 @@ from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement
 
 _HOUSE: dict[type, Callable[..., FigureWithData]] = {
-    Scene: draw_layout,
     FitResult: draw_fit_band,
     Sweep: draw_sweep,
     Comparison: draw_ladder,

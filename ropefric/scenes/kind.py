@@ -411,20 +411,6 @@ def strained(what: str, strain: FloatArray) -> Failure:
     return Failure(words, "strain", strain, strain > LARGEST_STRAIN, limit=LARGEST_STRAIN)
 
 
-class Wheel(NamedTuple):
-    """A wheel of a machine's layout: what part it plays, how far what runs over it lies on it, and what pulls there.
-
-    `apart_m` is the distance to the next one's axle where a scene gives it; `ends` name the strands of a lone wheel.
-    """
-
-    name: str
-    radius_m: float
-    wrap_angle_rad: float
-    role: str = "driven"
-    ends: tuple[str, str] = ("", "")
-    apart_m: float = math.nan
-
-
 class Figure(NamedTuple):
     """A figure of a kind: what it shows, None where a scene has nothing to show, and what draws it in plotting."""
 
@@ -486,8 +472,6 @@ class Kind:
         `failures`.
     words : mapping of str to str
         Meaning of the numbers of its answer, with unit, where the glossary has none.
-    layout : callable
-        `layout(problem)` returns the wheels, in the order in which a belt or rope runs over them, by its name.
 
     Examples
     --------
@@ -516,7 +500,6 @@ class Kind:
     beyond: Mapping[str, str] = field(default_factory=dict)
     undecided: Callable[[Any, Any, float], tuple[str, ...]] = lambda answer, problem, error: ()  # noqa: ARG005
     words: Mapping[str, str] = field(default_factory=dict)
-    layout: Callable[[Any], Mapping[str, tuple[Wheel, ...]]] = lambda problem: {}  # noqa: ARG005  (not drawn)
 
     @cached_property
     def sweep_fields(self) -> dict[str, Becomes]:
@@ -550,19 +533,6 @@ def first(answer: Any, *names: str) -> dict[str, Any]:
         for name, values in arrays.items()
         if values is not None
     }
-
-
-def lone_wheel(problem: Any, ends: tuple[str, str], name: str = "wheel") -> Wheel:
-    """Return the one driving wheel of a problem, with what pulls at its two ends."""
-    return Wheel(name, float(problem.wheel_radius_m[0]), float(problem.wrap_angle_rad[0]), "driver", ends)
-
-
-def loops(machine: Any) -> dict[str, tuple[Wheel, ...]]:
-    """Return the rollers of each belt of a machine, in the order of its loop."""
-    wheels = {
-        one.name: Wheel(one.name, one.radius_m, one.wrap_angle_rad, one.role) for one in machine.rollers
-    }
-    return {belt.name: tuple(wheels[name] for name in belt.loop) for belt in machine.belts}
 
 
 def at_contact(problem: Any, end_tension_N: FloatArray) -> dict[str, FloatArray]:

@@ -444,14 +444,6 @@ def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | No
     return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
-def _layout(problem: SawProblem) -> dict[str, tuple[kind.Wheel, ...]]:
-    if problem.saw is None:
-        return {}
-    known = problem.saw.wheel_radius_m, float(problem.wheel_wrap_rad[0])
-    driver = kind.Wheel("driver", *known, "driver", apart_m=float(problem.free_span_m[0]))
-    return {"blade": (driver, kind.Wheel("driven", *known))}
-
-
 KIND = kind.Kind(
     name="bandsaw",
     schema=SawScene,
@@ -472,7 +464,6 @@ KIND = kind.Kind(
     },
     sections=_sections,
     beyond={"resonance": "margins, crossings and the preload recommended"},
-    layout=_layout,
     words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

@@ -356,16 +356,6 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     )
 
 
-def _layout(problem: DriveProblem) -> dict[str, tuple[kind.Wheel, ...]]:
-    driving = kind.lone_wheel(problem, ("T_1", "T_2"), "driving")
-    if problem.centre_distance_m is not None:
-        driving = driving._replace(apart_m=float(problem.centre_distance_m[0]))
-    if problem.driven_radius_m is None or problem.driven_wrap_rad is None:
-        return {"belt": (driving,)}
-    driven = kind.Wheel("driven", float(problem.driven_radius_m[0]), float(problem.driven_wrap_rad[0]))
-    return {"belt": (driving, driven)}
-
-
 KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -378,7 +368,6 @@ KIND = kind.Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
-    layout=_layout,
     beyond={
         "circling_N": "what keeps the belt on its circle",
         "pulleys.driving.adhesion_arc_rad": "the arc of adhesion on the driving pulley",

@@ -134,5 +134,4 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     beyond={"slip_arc_rad": "the arc of slip", "stick_arc_rad": "the arc of stick"},
-    layout=lambda problem: {"rope": (kind.lone_wheel(problem, ("F_A", "F_B")),)},
 )

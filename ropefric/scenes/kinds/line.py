@@ -419,17 +419,6 @@ def _contacts(problem: LineProblem) -> Mapping[str, FloatArray]:
     return dict(zip(names, np.maximum(columns, 1e-30), strict=True))
 
 
-def _layout(problem: LineProblem) -> dict[str, tuple[kind.Wheel, ...]]:
-    wheels = []
-    for one in problem.elements:
-        radius_m, angle_rad = getattr(one, "radius_m", None), getattr(one, "angle_rad", None)
-        if radius_m and angle_rad:
-            wheels.append(
-                kind.Wheel(one.name, radius_m, angle_rad, "driver" if isinstance(one, Drum) else "driven")
-            )
-    return {"rope": tuple(wheels)} if wheels else {}
-
-
 KIND = kind.Kind(
     name="line",
     schema=LineScene,
@@ -449,7 +438,6 @@ KIND = kind.Kind(
     },
     sections=_sections,
     figures={"line": kind.Figure(_chart)},
-    layout=_layout,
     words={
         "hand_tension_N": "Tension at the hand, behind the last element [N]",
         "start_tension_N": "Tension before the first element [N]",

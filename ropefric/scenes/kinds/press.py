@@ -629,7 +629,6 @@ KIND = kind.Kind(
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,
-    layout=lambda problem: kind.loops(problem.press),
     histories={"start_up.csv": _start_up_columns},
     figures={
         "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "draw_press_start_up")  # noqa: ARG005

@@ -222,7 +222,6 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     figures={"traction": kind.Figure(_chart)},
-    layout=lambda problem: {"ropes": (kind.lone_wheel(problem, ("car", "counterweight"), "sheave"),)},
     words={
         "largest_utilisation": "Largest utilisation of the four load cases",
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",

@@ -233,9 +233,6 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
         found["cycle.pull_tension_N"], found["cycle.pay_out_tension_N"] = cycle.pulled_N, cycle.paid_out_N
         found["cycle.dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
         found["cycle.lost_stroke_m"] = cycle.lost_stroke_m if answer.stretches else None
-    if answer.other_end is not None:
-        found["from_other_end.hand_tension_N"] = answer.other_end[-1]
-        found["from_other_end.start_tension_N"] = answer.other_end[0]
     found["least_tension_N"] = None if answer.stressed is None else answer.stressed.least_N
     for place, numbers in enumerate(answer.numbers):
         found[f"elements.{place}.tension_out_N"] = answer.tension_N[place + 1]
@@ -287,7 +284,6 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         "tension_N": tension_N,
         "elements": elements,
     }
-    tree |= {} if answer.other_end is None else {"from_other_end": _from_other_end(answer)}
     if answer.stressed is not None:
         both = answer.stressed
         tree["both_ends"] = {"least_at_m": float(both.least_at_m[0])}
@@ -301,16 +297,6 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
 def _anchored(one: Any) -> dict[str, Any]:
     found = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
     return {"tension_N": one.tension_N[:, 0].tolist()} | found
-
-
-def _from_other_end(answer: LineAnswer) -> dict[str, Any]:
-    """Return the largest side pressure where the rope is pulled from the other end."""
-    other = answer.other_end
-    if other is None:
-        return {}
-    radii = [getattr(one, "radius_m", None) for one in reversed(answer.model.problem.elements)]
-    pressures = [max(other[i, 0], other[i + 1, 0]) / radius for i, radius in enumerate(radii) if radius]
-    return {"normal_N_m": kind.finite(max(pressures))} if pressures else {}
 
 
 _COLUMNS: kind.Columns = {
@@ -338,16 +324,6 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
 
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
-    hand_N = tree["tension_N"][-1]
-    if "from_other_end" in tree:
-        ends_N = [tree["from_other_end"][name] for name in ("start_tension_N", "hand_tension_N")]
-        if None not in ends_N and not np.allclose(
-            ends_N, [tree["tension_N"][0], hand_N], rtol=1e-6, atol=0.0
-        ):
-            yield (
-                f"pulled from the other end: {ends_N[0]:.5g} N before the first element, "
-                f"{ends_N[1]:.5g} N behind the last"
-            )
     if tree.get("cycle", {}).get("dead_band_N") is not None:
         cycle = tree["cycle"]
         lost = f", lost stroke {1e3 * cycle['lost_stroke_m']:.4g} mm" if "lost_stroke_m" in cycle else ""
@@ -377,8 +353,6 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     name = "stressed from both ends" if both is not None else "pulled" if problem.pulled else "paid out"
     least = [] if both is None else [(both.least_at_m[0], both.least_N[0])]
     lines = [_line(name, places, answer.tension_N[:, 0], least)]
-    if answer.other_end is not None and np.isfinite(answer.other_end).all():
-        lines.append(Line("pulled from the other end", places, answer.other_end[::-1, 0]))
     if answer.anchored:
         at_end = [False, True] if both is not None else [problem.pulled]
         turns = [

@@ -88,10 +88,6 @@ class Element:
         """Return what the scene has to give beside what it gives; empty where nothing is missing."""
         return ""
 
-    def turned(self) -> Self:
-        """Return the element as the rope meets it from the other end."""
-        return self
-
     @property
     def stretching_m(self) -> float:
         """Return the length of rope in it that stretches and is pulled through [m]."""

@@ -1,4 +1,4 @@
-"""A rope through all its elements: tensions, elongation, a cycle, the other way round, what a take-up holds."""
+"""A rope through all its elements: tensions, elongation, a cycle, what a take-up holds."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -38,8 +38,6 @@ class LineAnswer(NamedTuple):
         Elongation of the rope in each element; zero where it does not stretch.
     cycle : Cycle or None
         Of a line without drums; NaN where the rope would have to push.
-    other_end : ndarray, shape (k + 1, n), or None
-        Tensions where the rope is pulled through the same elements from the other end, in that order.
     needed_end_N : ndarray or None
         Least tension behind the last element with which every drum transmits its given pull.
     stressed, anchored : Stressed, tuple of Anchored
@@ -51,7 +49,6 @@ class LineAnswer(NamedTuple):
     numbers: tuple[dict[str, FloatArray], ...]
     stretch_m: FloatArray
     cycle: Cycle | None
-    other_end: FloatArray | None
     needed_end_N: FloatArray | None
     stressed: Stressed | None
     anchored: tuple[Anchored, ...]
@@ -76,7 +73,6 @@ class LineAnswer(NamedTuple):
         """Return the logarithms of all forces, shape (m, n); NaN of negative ones."""
         found = [*self.tension_N, *(value for one in self.numbers for value in one.values())]
         found += [] if self.cycle is None else [self.cycle.pulled_N, self.cycle.paid_out_N]
-        found += [] if self.other_end is None else [*self.other_end]
         found += [] if self.needed_end_N is None else [self.needed_end_N]
         found += [] if self.stressed is None else [self.stressed.least_N]
         return _logs(found, self.model.problem.n)
@@ -130,7 +126,6 @@ def solve_line(model: LineModel) -> LineAnswer:
         numbers=tuple(one.numbers(passage, before_N, after_N) for one, before_N, after_N in triples),
         stretch_m=_stretch_m(passage, tension_N, moves=both is None),
         cycle=_cycle(model, tension_N[0]) if moves_whole else None,
-        other_end=_other_end(model) if moves_whole and problem.pulled and len(triples) > 1 else None,
         needed_end_N=needed_end_N,
         stressed=both,
         anchored=_anchored(model, tension_N, both),
@@ -155,17 +150,6 @@ def _stressed(model: LineModel) -> Stressed:
     from_start_N = _tensions(model, is_pulled=False, start_N=end_N if start_N is None else start_N)
     from_end_N = _tensions(model, is_pulled=True, end_N=start_N if end_N is None else end_N)
     return stressed(from_start_N, from_end_N, _lengths_m(problem))
-
-
-def _other_end(model: LineModel) -> FloatArray:
-    """Return the tensions where the rope is pulled from the other end, with the same tension known; NaN without any."""
-    problem = model.problem
-    back = replace(problem, elements=tuple(one.turned() for one in reversed(problem.elements)))
-    ends: dict[str, FloatArray | None] = {"start_N": problem.start_tension_N, "end_N": problem.end_tension_N}
-    try:
-        return _tensions(replace(model, problem=back), is_pulled=True, **ends)
-    except RopefricError:
-        return np.full((len(problem.elements) + 1, problem.n), np.nan)
 
 
 def _tensions(

@@ -96,15 +96,6 @@ def test_a_slope_is_uphill_in_the_direction_from_start_to_end(answer_of):
     assert (up, down) == pytest.approx((400.0 + lifted, 400.0 - lifted), rel=1e-14)
 
 
-def test_the_other_end_is_the_same_line_written_in_reverse(answer_of):
-    one = answer_of(BEND, HILL, WHEEL, line=pulled(), rope=ROPE, friction={"mu": 0.3})
-    other = answer_of(
-        WHEEL, {**HILL, "slope": "-20 deg"}, BEND, line=pulled(), rope=ROPE, friction={"mu": 0.3}
-    )
-    assert one["from_other_end"]["hand_tension_N"] == pytest.approx(other["hand_tension_N"], rel=1e-14)
-    assert other["from_other_end"]["hand_tension_N"] == pytest.approx(one["hand_tension_N"], rel=1e-14)
-
-
 def test_a_cycle_of_a_bowden_cable(answer_of):
     """Over 180° at 0.1 the hand pulls with T e^M and pays out with T e^-M; lost is ∫(difference) ds/EA."""
     sheath = {"kind": "bend", "angle": "180 deg", "length": "1 m"}

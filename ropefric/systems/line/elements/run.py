@@ -1,7 +1,7 @@
 """A straight run: the weight of the rope, its friction on the floor, and the wobble of a duct."""
 
-from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar, Self
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from scipy.special import exprel
@@ -31,10 +31,6 @@ class Run(Element):
     def effects(self) -> frozenset[str]:
         """Return weight, and wobble where it is given."""
         return frozenset({"weight"} if self.wobble_1_m is None else {"weight", "wobble"})
-
-    def turned(self) -> Self:
-        """Return the run with the slope that it has from the other end."""
-        return replace(self, slope_rad=-self.slope_rad)
 
     def _rates(self, passage: Passage) -> tuple[FloatArray, FloatArray]:
         """Return μ k L and w L (sin α + μ cos α), with the signs they have from the known side on."""

@@ -32,7 +32,6 @@ class LineTable(kind.Table):
     start_tension : Before the first element.
     end_tension : Behind the last element, at the hand.
     pull : Effective pull of all drums that have a share of it.
-    both_ends : Whether a tendon is stressed from both ends.
     anchorage_slip : w, by which the anchorage lets a stressed tendon back.
     tension_limit : Largest tension that the rope may have anywhere.
     """
@@ -41,7 +40,6 @@ class LineTable(kind.Table):
     start_tension: Annotated[float | None, kind.key("N", "90 lbf", "start_tension_N", or_zero=True)] = None
     end_tension: Annotated[float | None, kind.key("N", "200 N", "end_tension_N", or_zero=True)] = None
     pull: Annotated[float | None, kind.key("N", "20 kN", "pull_N")] = None
-    both_ends: bool = False
     anchorage_slip: Annotated[float | None, kind.key("m", "6 mm", "anchorage_slip_m")] = None
     tension_limit: Annotated[float | None, kind.key("N", "10 kN", "tension_limit_N")] = None
 
@@ -172,8 +170,8 @@ class LineScene(kind.SceneTable):
 
     def _check_ends(self, drums: list[Drum]) -> None:
         line = self.line
-        if line.start_tension is not None and line.end_tension is not None and not line.both_ends:
-            fix = "keep the one that is known, or add both_ends = true for a tendon"
+        if line.start_tension is not None and line.end_tension is not None:
+            fix = "keep the one that is known"
             reject("RF111", "start_tension and end_tension are both given", fix=fix, key="line.end_tension")
         is_known = line.start_tension is not None or line.end_tension is not None
         if not is_known and not any(one.is_set for one in drums):
@@ -187,16 +185,15 @@ class LineScene(kind.SceneTable):
         return self.rope.linear_density is not None or run.wobble_1_m is not None
 
     def _check_tendon(self, elements: list[Element]) -> None:
-        line, friction = self.line, self.friction
-        is_tendon = line.both_ends or line.anchorage_slip is not None
+        friction, is_tendon = self.friction, self.line.anchorage_slip is not None
         alike = friction is None or friction.mu is not None
         has_drum = any(isinstance(one, Drum) for one in elements)
         if is_tendon and (not alike or self.rope.linear_density is not None or has_drum):
             reject(
                 "RF111",
-                "both_ends and anchorage_slip are for a tendon: one coefficient, no weight, no drums",
+                "anchorage_slip is for a tendon: one coefficient, no weight, no drums",
                 fix="give mu, and leave out linear_density and drums",
-                key="line.both_ends" if line.both_ends else "line.anchorage_slip",
+                key="line.anchorage_slip",
             )
 
 
@@ -205,7 +202,6 @@ def _problem(table: LineScene, friction: WrapFriction | None) -> LineProblem:
         friction=friction,
         elements=tuple(one.element(place) for place, one in enumerate(table.element)),
         pulled=table.line.direction == "pull",
-        both_ends=table.line.both_ends,
         **kind.arrays(table),
     )
 
@@ -226,14 +222,13 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
         hand_N = answer.tension_N[-1]
         per_hand = np.divide(answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0)
         found |= {"load_N": answer.load_N, "advantage": per_hand}
-    found["elongation_m"] = _elongation_m(answer) if answer.stretches else None
+    found["elongation_m"] = answer.stretch_m.sum(axis=0) if answer.stretches else None
     found["needed_end_tension_N"] = answer.needed_end_N
     cycle = answer.cycle
     if cycle is not None and np.isfinite(cycle.pulled_N).any():
         found["cycle.pull_tension_N"], found["cycle.pay_out_tension_N"] = cycle.pulled_N, cycle.paid_out_N
         found["cycle.dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
         found["cycle.lost_stroke_m"] = cycle.lost_stroke_m if answer.stretches else None
-    found["least_tension_N"] = None if answer.stressed is None else answer.stressed.least_N
     for place, numbers in enumerate(answer.numbers):
         found[f"elements.{place}.tension_out_N"] = answer.tension_N[place + 1]
         found |= {f"elements.{place}.{name}": value for name, value in numbers.items()}
@@ -242,13 +237,6 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
         for name, value in found.items()
         if value is not None
     )
-
-
-def _elongation_m(answer: LineAnswer) -> FloatArray:
-    stiffness_N = answer.model.problem.axial_stiffness_N
-    if answer.stressed is not None and stiffness_N is not None:
-        return np.asarray(answer.stressed.elongation_N_m.sum(axis=0) / stiffness_N)
-    return np.asarray(answer.stretch_m.sum(axis=0))
 
 
 def _failures(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Failure, ...]:
@@ -276,7 +264,7 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         row: dict[str, Any] = {"name": one.name, "kind": one.kind}
         row |= {"tension_in_N": tension_N[place], "tension_out_N": tension_N[place + 1], "normal_N_m": None}
         row |= {name: kind.finite(value[0]) for name, value in numbers.items()}
-        if answer.stretches and answer.stressed is None:
+        if answer.stretches:
             row["elongation_m"] = kind.finite(answer.stretch_m[place, 0])
         elements.append(row)
     tree: dict[str, Any] = {
@@ -284,19 +272,10 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         "tension_N": tension_N,
         "elements": elements,
     }
-    if answer.stressed is not None:
-        both = answer.stressed
-        tree["both_ends"] = {"least_at_m": float(both.least_at_m[0])}
-        if answer.stretches and problem.axial_stiffness_N is not None:
-            drawn_m = both.elongation_N_m[:, 0] / problem.axial_stiffness_N[0]
-            tree["both_ends"] |= {"elongation_at_start_m": drawn_m[0], "elongation_at_end_m": drawn_m[1]}
-    tree |= {"anchored": [_anchored(one) for one in answer.anchored]} if answer.anchored else {}
+    if (one := answer.anchored) is not None:
+        numbers_of = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
+        tree["anchored"] = {"tension_N": one.tension_N[:, 0].tolist()} | numbers_of
     return tree
-
-
-def _anchored(one: Any) -> dict[str, Any]:
-    found = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
-    return {"tension_N": one.tension_N[:, 0].tolist()} | found
 
 
 _COLUMNS: kind.Columns = {
@@ -331,13 +310,7 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
             f"against {tree['tension_N'][0]:.5g} N at the start the hand pulls with {cycle['pull_tension_N']:.5g} N and "
             f"pays out with {cycle['pay_out_tension_N']:.5g} N: dead band {cycle['dead_band_N']:.5g} N{lost}"
         )
-    if "both_ends" in tree:
-        both = tree["both_ends"]
-        yield f"least tension {tree['least_tension_N']:.5g} N, {both['least_at_m']:.4g} m from the start"
-        if "elongation_at_start_m" in both:
-            drawn = " and ".join(f"{1e3 * both[f'elongation_at_{end}_m']:.4g} mm" for end in ("start", "end"))
-            yield f"the jacks at start and end draw out {drawn}"
-    for one in tree.get("anchored", ()):
+    if (one := tree.get("anchored")) is not None:
         yield (
             f"after the slip the anchorage has {one['anchor_N']:.5g} N and the tendon {one['largest_N']:.5g} N at most, "
             f"{one['affected_m']:.4g} m away"
@@ -349,30 +322,18 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     lengths_m = np.array([one.stretching_m for one in problem.elements])
     by_length = bool(lengths_m.any())
     steps = lengths_m if by_length else np.ones(len(lengths_m))
-    places, both = np.concatenate([[0.0], np.cumsum(steps)]), answer.stressed
-    name = "stressed from both ends" if both is not None else "pulled" if problem.pulled else "paid out"
-    least = [] if both is None else [(both.least_at_m[0], both.least_N[0])]
-    lines = [_line(name, places, answer.tension_N[:, 0], least)]
-    if answer.anchored:
-        at_end = [False, True] if both is not None else [problem.pulled]
-        turns = [
-            (places[-1] - one.affected_m[0] if end else one.affected_m[0], one.largest_N[0])
-            for one, end in zip(answer.anchored, at_end, strict=True)
-        ]
-        after_N = np.min([one.tension_N[:, 0] for one in answer.anchored], axis=0)
-        lines.append(_line("after the slip of the anchorage", places, after_N, least + turns))
+    places = np.concatenate([[0.0], np.cumsum(steps)])
+    lines = [Line("pulled" if problem.pulled else "paid out", places, answer.tension_N[:, 0])]
+    if (one := answer.anchored) is not None:
+        turns_m = abs((places[-1] if problem.pulled else 0.0) - one.affected_m[0])
+        before = int(np.searchsorted(places, turns_m))
+        tension_N = np.insert(one.tension_N[:, 0], before, one.largest_N[0])
+        lines.append(Line("after the slip of the anchorage", np.insert(places, before, turns_m), tension_N))
     if problem.tension_limit_N is not None:
         ends = np.array([0.0, places[-1]])
         lines.append(Line("limit", ends, np.full(2, problem.tension_limit_N[0]), limit=True))
     axis = ("along_m", "Along the rope [m]") if by_length else ("element", "Behind element [-]")
     return Chart("Tension along the line", *axis, "tension_N", "Tension T [N]", tuple(lines))
-
-
-def _line(name: str, places: FloatArray, tension_N: FloatArray, more: list[tuple[float, float]]) -> Line:
-    """Return a line through the tensions between the elements, and through more points within them."""
-    at = np.concatenate([places, [one[0] for one in more]])
-    order = np.argsort(at, kind="stable")
-    return Line(name, at[order], np.concatenate([tension_N, [one[1] for one in more]])[order])
 
 
 def _contacts(problem: LineProblem) -> Mapping[str, FloatArray]:
@@ -419,6 +380,5 @@ KIND = kind.Kind(
         "advantage": "Load over the tension at the hand",
         "elongation_m": "Elongation of the rope [m]",
         "needed_end_tension_N": "Least take-up tension that serves all drums [N]",
-        "least_tension_N": "Least tension of the tendon [N]",
     },
 )

@@ -117,7 +117,6 @@ class LineProblem(Cases):
     friction: WrapFriction | None
     elements: tuple[Element, ...]
     pulled: bool = True
-    both_ends: bool = False
     start_tension_N: ZeroOrMore | None = None
     end_tension_N: ZeroOrMore | None = None
     pull_N: Positive | None = None

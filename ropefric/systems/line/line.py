@@ -12,7 +12,7 @@ from ropefric.systems.checks import refuse
 from ropefric.systems.effect import log_change
 from ropefric.systems.line.element import LineModel, LineProblem, Passage
 from ropefric.systems.line.elements.drum import Drum
-from ropefric.systems.line.tendon import Anchored, Stressed, anchored, stressed
+from ropefric.systems.line.tendon import Anchored, anchored
 
 _LARGEST_N = 1e30
 
@@ -40,8 +40,8 @@ class LineAnswer(NamedTuple):
         Of a line without drums; NaN where the rope would have to push.
     needed_end_N : ndarray or None
         Least tension behind the last element with which every drum transmits its given pull.
-    stressed, anchored : Stressed, tuple of Anchored
-        Of a tendon: from both ends; after the slip at the anchorages, that of the start first where both are stressed.
+    anchored : Anchored or None
+        Of a tendon after the slip at its anchorage.
     """
 
     model: LineModel
@@ -50,8 +50,7 @@ class LineAnswer(NamedTuple):
     stretch_m: FloatArray
     cycle: Cycle | None
     needed_end_N: FloatArray | None
-    stressed: Stressed | None
-    anchored: tuple[Anchored, ...]
+    anchored: Anchored | None
 
     @property
     def load_N(self) -> FloatArray | None:
@@ -74,15 +73,13 @@ class LineAnswer(NamedTuple):
         found = [*self.tension_N, *(value for one in self.numbers for value in one.values())]
         found += [] if self.cycle is None else [self.cycle.pulled_N, self.cycle.paid_out_N]
         found += [] if self.needed_end_N is None else [self.needed_end_N]
-        found += [] if self.stressed is None else [self.stressed.least_N]
         return _logs(found, self.model.problem.n)
 
     @property
     def stretch_logs(self) -> FloatArray:
         """Return the logarithms of all numbers that the stretch of the rope makes, shape (m, n)."""
         found = [*self.stretch_m, *(() if self.cycle is None else [self.cycle.lost_stroke_m])]
-        tendon = [*(() if self.stressed is None else (self.stressed,)), *self.anchored]
-        found += [row for one in tendon for part in one for row in part.reshape(-1, part.shape[-1])]
+        found += [row for part in self.anchored or () for row in part.reshape(-1, part.shape[-1])]
         return _logs(found, self.model.problem.n)
 
 
@@ -112,44 +109,30 @@ def solve_line(model: LineModel) -> LineAnswer:
             key="mu",
             fix="give the drum a coefficient",
         )
-    both = _stressed(model) if problem.both_ends else None
-    if both is None:
-        tension_N = _tensions(model, is_pulled=problem.pulled, start_N=start_N, end_N=end_N)
-    else:
-        tension_N = both.sides_N.max(axis=0)
+    tension_N = _tensions(model, is_pulled=problem.pulled, start_N=start_N, end_N=end_N)
     passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
     triples = list(zip(problem.elements, tension_N[:-1], tension_N[1:], strict=True))
-    moves_whole = both is None and not any(isinstance(one, Drum) for one in problem.elements)
+    has_drum = any(isinstance(one, Drum) for one in problem.elements)
     return LineAnswer(
         model=model,
         tension_N=tension_N,
         numbers=tuple(one.numbers(passage, before_N, after_N) for one, before_N, after_N in triples),
-        stretch_m=_stretch_m(passage, tension_N, moves=both is None),
-        cycle=_cycle(model, tension_N[0]) if moves_whole else None,
+        stretch_m=_stretch_m(passage, tension_N),
+        cycle=None if has_drum else _cycle(model, tension_N[0]),
         needed_end_N=needed_end_N,
-        stressed=both,
-        anchored=_anchored(model, tension_N, both),
+        anchored=_anchored(model, tension_N),
     )
 
 
-def _stretch_m(passage: Passage, tension_N: FloatArray, *, moves: bool) -> FloatArray:
-    """Return the elongation in each element, shape (k, n); zero where it is not simulated, or two jacks share it."""
+def _stretch_m(passage: Passage, tension_N: FloatArray) -> FloatArray:
+    """Return the elongation in each element, shape (k, n); zero where it is not simulated."""
     problem = passage.model.problem
-    if not moves or problem.axial_stiffness_N is None or not passage.has("stretch"):
+    if problem.axial_stiffness_N is None or not passage.has("stretch"):
         return np.zeros((len(problem.elements), problem.n))
     pairs = zip(problem.elements, tension_N[:-1], strict=True)
     return (
         np.stack([one.stretch_N_m(passage, before_N) for one, before_N in pairs]) / problem.axial_stiffness_N
     )
-
-
-def _stressed(model: LineModel) -> Stressed:
-    """Return a tendon with a jack at each end; where one force is given, both have it."""
-    problem = model.problem
-    start_N, end_N = problem.start_tension_N, problem.end_tension_N
-    from_start_N = _tensions(model, is_pulled=False, start_N=end_N if start_N is None else start_N)
-    from_end_N = _tensions(model, is_pulled=True, end_N=start_N if end_N is None else end_N)
-    return stressed(from_start_N, from_end_N, _lengths_m(problem))
 
 
 def _tensions(
@@ -223,37 +206,16 @@ def _needed_end_N(model: LineModel) -> FloatArray | None:
     return np.max(needed, axis=0) if needed else None
 
 
-def _lengths_m(problem: LineProblem) -> FloatArray:
-    return np.array([one.stretching_m for one in problem.elements])
-
-
-def _anchored(model: LineModel, tension_N: FloatArray, both: Stressed | None) -> tuple[Anchored, ...]:
-    """Return the tendon after its jack, or both, have let it back."""
+def _anchored(model: LineModel, tension_N: FloatArray) -> Anchored | None:
+    """Return the tendon after its jack has let it back."""
     problem = model.problem
-    if (
-        problem.anchorage_slip_m is None
-        or problem.axial_stiffness_N is None
-        or "stretch" not in model.effects
-    ):
-        return ()
-    lengths_m, slip_N_m = _lengths_m(problem), problem.anchorage_slip_m * problem.axial_stiffness_N
-    if both is None:
-        turn = slice(None, None, -1 if problem.pulled else 1)
-        found = anchored(tension_N[turn], lengths_m[turn], slip_N_m)
-        return (found._replace(tension_N=found.tension_N[turn]),)
-    sides = []
-    for side_N, turn in zip(both.sides_N, (slice(None), slice(None, None, -1)), strict=True):
-        found = anchored(side_N[turn], lengths_m[turn], slip_N_m)
-        refuse(
-            found.largest_N < both.least_N,
-            "the slips of both anchorages meet: friction would turn round beyond the least tension",
-            code="RF510",
-            key="anchorage_slip_m",
-            fix="stress this tendon from one end",
-        )
-        after_N = np.where(side_N > found.largest_N, found.tension_N[turn], tension_N)
-        sides.append(found._replace(tension_N=after_N))
-    return tuple(sides)
+    slip_m, stiffness_N = problem.anchorage_slip_m, problem.axial_stiffness_N
+    if slip_m is None or stiffness_N is None or "stretch" not in model.effects:
+        return None
+    from_jack = slice(None, None, -1 if problem.pulled else 1)
+    lengths_m = np.array([one.stretching_m for one in problem.elements])
+    found = anchored(tension_N[from_jack], lengths_m[from_jack], slip_m * stiffness_N)
+    return found._replace(tension_N=found.tension_N[from_jack])
 
 
 def answerable(problem: LineProblem) -> BoolArray:

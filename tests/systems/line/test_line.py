@@ -1,4 +1,4 @@
-"""A rope through elements: against its differential equation, from both ends, its effects, its failures, bad input."""
+"""A rope through elements: against its differential equation, its effects, its failures, bad input."""
 
 import math
 import re
@@ -15,7 +15,7 @@ from ropefric.scenes.explain import explain_scene
 from ropefric.scenes.scene import check_scene, load_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.systems.line.tendon import anchored, stressed
+from ropefric.systems.line.tendon import anchored
 
 BEND = {"kind": "bend", "angle": "70 deg", "radius": "300 mm"}
 DUCT = {"kind": "bend", "angle": "1.2 rad", "length": "3 m", "wobble": "0.05 rad/m", "radius": "2 m"}
@@ -209,33 +209,20 @@ def test_an_anchored_tendon_lost_as_much_length_as_its_anchorage_slipped(slip_N_
     assert (found.tension_N <= profile[:, None]).all()
 
 
-def test_from_both_ends_the_larger_tension_holds_and_they_meet_at_the_least(answer_of):
+def test_an_anchored_tendon_has_its_largest_tension_where_friction_turns_round(answer_of, line_of):
+    """In a duct of one slope p of ln T: w EA = P (1 − e^−m)²/p, and there is e^−2m of P at the anchorage."""
     duct = {"kind": "bend", "angle": "0.4 rad", "length": "40 m", "wobble": "0.008 rad/m"}
-    rope, jack = {"axial_stiffness": "400 MN"}, {"end_tension": "3 MN", "both_ends": True}
-    both = answer_of(duct, duct, line=jack, rope=rope, friction={"mu": 0.2})
-    M = 0.2 * (0.4 + 0.32)
-    assert both["tension_N"] == pytest.approx([3e6, 3e6 * math.exp(-M), 3e6], rel=1e-13)
-    assert both["least_tension_N"] == pytest.approx(3e6 * math.exp(-M), rel=1e-12)
-    assert both["both_ends"]["least_at_m"] == pytest.approx(40.0)
-    drawn = 3e6 / 400e6 * 40.0 * -math.expm1(-M) / M
-    assert both["elongation_m"] == pytest.approx(2.0 * drawn, rel=1e-12)
-    uneven = answer_of({**duct, "angle": "0.8 rad", "length": "80 m"}, line={**jack, "start_tension": "2.8 MN"},
-                       rope=rope, friction={"mu": 0.2})  # fmt: skip
-    assert uneven["least_tension_N"] == pytest.approx(math.sqrt(3e6 * 2.8e6) * math.exp(-M), rel=1e-12)
-    slipped = answer_of(duct, duct, line={**jack, "anchorage_slip": "6 mm"}, rope=rope, friction={"mu": 0.2})
-    one = answer_of(
-        duct, duct, line={"end_tension": "3 MN", "anchorage_slip": "6 mm"}, rope=rope, friction={"mu": 0.2}
-    )
-    assert [found["anchor_N"] for found in slipped["anchored"]] == pytest.approx(
-        [one["anchored"][0]["anchor_N"]] * 2
-    )
-
-
-def test_two_jacks_of_which_one_does_all():
-    own, other = np.array([[1000.0], [900.0]]), np.array([[500.0], [520.0]])
-    found = stressed(own, other, np.array([10.0]))
-    assert (found.least_N[0], found.least_at_m[0]) == pytest.approx((900.0, 10.0))
-    assert found.elongation_N_m[1, 0] == 0.0
+    tables = {"rope": {"axial_stiffness": "400 MN"}, "friction": {"mu": 0.2},
+              "line": {"end_tension": "3 MN", "anchorage_slip": "6 mm"}}  # fmt: skip
+    found = answer_of(duct, duct, **tables)["anchored"]
+    p = 0.2 * (0.4 / 40.0 + 0.008)
+    m = -math.log(1.0 - math.sqrt(6e-3 * 400e6 * p / 3e6))
+    assert found["affected_m"] == pytest.approx(m / p, rel=1e-9)
+    assert found["largest_N"] == pytest.approx(3e6 * math.exp(-m), rel=1e-9)
+    assert found["anchor_N"] == found["tension_N"][-1] == pytest.approx(3e6 * math.exp(-2.0 * m), rel=1e-9)
+    scene = line_of(duct, duct, **tables)
+    _, after = scene.kind.figures["line"].data(solve_scene(scene).answer, scene.problem).lines
+    assert after.x[np.argmax(after.y)] == pytest.approx(80.0 - m / p, rel=1e-9)
 
 
 def test_a_rope_that_would_have_to_push_is_a_failure_with_its_place(line_of):

@@ -1,26 +1,26 @@
 """Scenes of a rope, cable, belt or tendon through a series of elements."""
 
-import math
 from collections.abc import Iterator, Mapping
-from inspect import getdoc
-from typing import Annotated, Any, get_args, get_type_hints
+from dataclasses import MISSING, fields
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, create_model
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import choice, reject, text
 from ropefric.scenes import kind
+from ropefric.scenes.kind import Becomes, key, zero_or_more
 from ropefric.section import Chart, Line, Section
 from ropefric.systems.effect import applicable, assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.line.effects import SYSTEM
-from ropefric.systems.line.element import Element, Given, LineProblem, given_by
-from ropefric.systems.line.elements import ELEMENTS
-from ropefric.systems.line.elements.drum import Drum
+from ropefric.systems.line.element import Element, LineProblem
+from ropefric.systems.line.elements import ELEMENTS, Drum
 from ropefric.systems.line.line import LineAnswer, answerable
 
 _DIRECTIONS = ("pull", "pay-out")
+_efficiency = kind.number_where(lambda one: 0.0 < one <= 1.0, "more than 0 and at most 1")
 
 
 class LineTable(kind.Table):
@@ -63,86 +63,65 @@ class RopeTable(kind.Table):
     )
 
 
-def _keys() -> dict[str, tuple[Given, str, Any, list[type[Element]]]]:
-    """Return the keys of all kinds of elements: what they are given by, their field and type, and who has them."""
-    found: dict[str, tuple[Given, str, Any, list[type[Element]]]] = {}
-    for element in ELEMENTS.values():
-        hints = get_type_hints(element)
-        for field, given in given_by(element).items():
-            known = found.setdefault(given.key, (given, field, hints[field], []))
-            if (known[0].si_unit, known[1]) != (given.si_unit, field):
-                raise ValueError(
-                    f"{element.__name__} gives its key {given.key} another unit or field than others do"
-                )
-            known[3].append(element)
-    return found
-
-
-_KEYS = _keys()
-
-
-def _annotation(given: Given, field: str, its_type: Any) -> Any:
-    types = {*get_args(its_type), its_type}
-    if bool in types:
-        return Annotated[bool | None, kind.Becomes(field)]
-    if given.si_unit:
-        return Annotated[float | None, kind.key(given.si_unit, given.like, field, above=given.above)]
-    allowed = "zero or more" if given.or_zero else "more than 0"
-    allowed += f" and at most {given.at_most:g}" if given.at_most < math.inf else ""
-    read = kind.number_where(
-        lambda one: (one >= 0.0 if given.or_zero else one > 0.0) and one <= given.at_most, allowed
-    )
-    return Annotated[float | None, PlainValidator(read), kind.Becomes(field)]
-
-
-class _ElementTable(kind.Table):
-    """`[[element]]`: what the rope passes, in the order from start to end.
+class ElementTable(kind.Table):
+    """`[[element]]`: what the rope passes, in the order from start to end; each has the keys of its own kind.
 
     Keys
     ----
     kind : What it is.
     name : What the answer calls it.
+    angle : Of a bend, drum or wheel: over which the rope lies on it.
+    radius : Of a bend or drum: of what the rope lies on; for the side pressure.
+    length : Of a bend or run: along the rope.
+    slope : Of a run: α, positive uphill from start to end.
+    wobble : Of a bend or run: k, unintended angle per length of a duct or sheath.
+    mu : Of a bend, drum or run: coefficient of this element alone.
+    normal_limit : Of a bend: largest side pressure T/R.
+    carries : Of a run: whether its tension carries the load of a hauling system.
+    efficiency : Of a wheel: η, the tension that arrives over that which pulls.
+    drag : Of a wheel: D, the force that turns it without load.
+    torque : Of a drum: that drives it, negative where it brakes; all its friction if left out.
+    share : Of a drum: of the pull of all drums; in place of a torque.
+    braked : Of a drum: whether one without torque holds the rope back with all its friction.
+    force : Of a force: by which the tension is larger behind it.
     """
 
     kind: Annotated[str, PlainValidator(choice(lambda: ELEMENTS))]
     name: Annotated[str | None, PlainValidator(text)] = None
+    angle: Annotated[float | None, key("rad", "90 deg", "angle_rad")] = None
+    radius: Annotated[float | None, key("m", "300 mm", "radius_m")] = None
+    length: Annotated[float | None, key("m", "30 m", "length_m")] = None
+    slope: Annotated[float | None, key("rad", "10 deg", "slope_rad", above=None)] = None
+    wobble: Annotated[float | None, key("1/m", "0.01 rad/m", "wobble_1_m")] = None
+    mu: Annotated[float | None, PlainValidator(zero_or_more), Becomes("mu")] = None
+    normal_limit: Annotated[float | None, key("N/m", "5 kN/m", "normal_limit_N_m")] = None
+    carries: Annotated[bool | None, Becomes("carries")] = None
+    efficiency: Annotated[float | None, PlainValidator(_efficiency), Becomes("efficiency")] = None
+    drag: Annotated[float | None, key("N", "20 N", "drag_N")] = None
+    torque: Annotated[float | None, key("N*m", "150 N*m", "torque_N_m", above=None)] = None
+    share: Annotated[float | None, PlainValidator(zero_or_more), Becomes("share")] = None
+    braked: Annotated[bool | None, Becomes("braked")] = None
+    force: Annotated[float | None, key("N", "200 N", "force_N", above=None)] = None
 
     def _check(self) -> None:
         self.element(0)
 
     def element(self, place: int) -> Element:
         """Return the element that the table gives, the one at a place of the line."""
-        known = ELEMENTS[self.kind]
-        own, values = given_by(known), kind.given(self)
-        for field in values:
-            if field not in own:
-                key = next(key for key, one in _KEYS.items() if one[1] == field)
-                has = ", ".join(one.key for one in own.values())
-                reject("RF120", f"a {self.kind} has no {key}", fix=f"it has {has}", key=key)
-        needed = [one for field, one in own.items() if not hasattr(known, field) and field not in values]
-        for one in needed:
-            like = f' = "{one.like}"' if one.like else ""
-            reject("RF121", f"a {self.kind} needs its {one.key}", fix=f"add {one.key}{like}")
+        known, values = ELEMENTS[self.kind], kind.given(self)
+        keys = {one.field: key for key, one in kind.becomes(type(self)).items()}
+        own = {one.name: keys[one.name] for one in fields(known) if one.name in keys}
+        for field in values.keys() - own.keys():
+            has = ", ".join(own.values())
+            reject("RF120", f"a {self.kind} has no {keys[field]}", fix=f"it has {has}", key=keys[field])
+        for one in fields(known):
+            if one.name in own and one.default is MISSING and one.name not in values:
+                fix = kind.how_to_add(type(self), own[one.name])
+                reject("RF121", f"a {self.kind} needs its {own[one.name]}", fix=fix)
         found = known(name=self.name or f"{self.kind} {place + 1}", **values)
         if missing := found.missing():
             reject("RF121", f"the {self.kind} lacks something", fix=f"add {missing}")
         return found
-
-
-_MEANINGS = "\n".join(
-    f"{key} : Of a {', '.join(one.kind for one in has)}: {given.meaning}"
-    for key, (given, _, _, has) in _KEYS.items()
-)
-_FIELDS: dict[str, Any] = {
-    key: (_annotation(given, field, its_type), None) for key, (given, field, its_type, _) in _KEYS.items()
-}
-ElementTable: Any = create_model(
-    "ElementTable",
-    __base__=_ElementTable,
-    __doc__=f"{getdoc(_ElementTable)}\n{_MEANINGS}\n",  # indented or not, as the version of Python has it
-    **_FIELDS,
-)
-"""The keys of all kinds of elements, of which each table has those of its own kind."""
 
 
 class LineScene(kind.SceneTable):
@@ -208,9 +187,9 @@ def _problem(table: LineScene, friction: WrapFriction | None) -> LineProblem:
 
 def _own_wheel(table: LineScene) -> tuple[float, float]:
     """Return the first bend's radius and the rope's, for a law without reference; only a size effect uses them."""
-    radii = [one.radius for one in table.element if getattr(one, "radius", None)]
     thin_m = 0.5 * table.rope.diameter if table.rope.diameter else None
-    return (radii[0] if radii else 10.0 * (thin_m or 0.01)), thin_m or 0.1 * (radii[0] if radii else 0.1)
+    radius_m = next((one.radius for one in table.element if one.radius), 10.0 * (thin_m or 0.01))
+    return radius_m, thin_m or 0.1 * radius_m
 
 
 def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity, ...]:
@@ -272,9 +251,9 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         "tension_N": tension_N,
         "elements": elements,
     }
-    if (one := answer.anchored) is not None:
-        numbers_of = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
-        tree["anchored"] = {"tension_N": one.tension_N[:, 0].tolist()} | numbers_of
+    if (tendon := answer.anchored) is not None:
+        tree["anchored"] = kind.first(tendon, "anchor_N", "largest_N", "affected_m")
+        tree["anchored"]["tension_N"] = tendon.tension_N[:, 0].tolist()
     return tree
 
 
@@ -324,10 +303,10 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     steps = lengths_m if by_length else np.ones(len(lengths_m))
     places = np.concatenate([[0.0], np.cumsum(steps)])
     lines = [Line("pulled" if problem.pulled else "paid out", places, answer.tension_N[:, 0])]
-    if (one := answer.anchored) is not None:
-        turns_m = abs((places[-1] if problem.pulled else 0.0) - one.affected_m[0])
+    if (tendon := answer.anchored) is not None:
+        turns_m = abs((places[-1] if problem.pulled else 0.0) - tendon.affected_m[0])
         before = int(np.searchsorted(places, turns_m))
-        tension_N = np.insert(one.tension_N[:, 0], before, one.largest_N[0])
+        tension_N = np.insert(tendon.tension_N[:, 0], before, tendon.largest_N[0])
         lines.append(Line("after the slip of the anchorage", np.insert(places, before, turns_m), tension_N))
     if problem.tension_limit_N is not None:
         ends = np.array([0.0, places[-1]])

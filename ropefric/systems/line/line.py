@@ -11,7 +11,7 @@ from ropefric.errors import InputError, RopefricError
 from ropefric.systems.checks import refuse
 from ropefric.systems.effect import log_change
 from ropefric.systems.line.element import LineModel, LineProblem, Passage
-from ropefric.systems.line.elements.drum import Drum
+from ropefric.systems.line.elements import Drum
 from ropefric.systems.line.tendon import Anchored, anchored
 
 _LARGEST_N = 1e30

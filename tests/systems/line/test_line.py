@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-import ropefric.systems.line.elements as kinds
 from ropefric.errors import DataError
 from ropefric.scenes.draws import draw_scene
 from ropefric.scenes.explain import explain_scene
@@ -364,27 +363,3 @@ def test_what_an_element_makes_of_the_tension_is_said_at_its_line(tmp_path):
     path.write_text(BAD + '[[element]]\nkind = "bend"\nangle = "90 turn"\n', encoding="utf-8")
     with pytest.raises(DataError, match=r"line\.toml:12 element\[2\]: the tension grows beyond any rope"):
         solve_scene(load_scene(path))
-
-
-@pytest.mark.slow
-def test_a_stranger_adds_a_kind_of_element_by_one_file(tmp_path):
-    """A copy of the package with one file more knows the element, its key, its unit and its meaning."""
-    import shutil
-    import subprocess
-    import sys
-
-    package = Path(kinds.__file__).parents[3]
-    shutil.copytree(package, tmp_path / "ropefric", ignore=shutil.ignore_patterns("*.npz"))
-    page = (package / "../docs/extend.md").read_text(encoding="utf-8")
-    _, _, capstan = page.partition("```python\n")
-    element = tmp_path / "ropefric/systems/line/elements/capstan.py"
-    element.write_text(capstan.partition("```")[0], encoding="utf-8")
-    scene = tmp_path / "wound.toml"
-    table = '[[element]]\nkind = "capstan"\nangle = "90 deg"\ngroove = "60 deg"\nmu = 0.2\n'
-    scene.write_text(BAD + table, encoding="utf-8")
-    code = f"import ropefric as rf; print(rf.solve({str(scene)!r}).to_dict()['tension_N'])"
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False,
-                          env={"PYTHONPATH": str(tmp_path), "PATH": ""})  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    tensions = [float(one) for one in done.stdout.strip("[]\n").split(",")]
-    assert tensions[-1] / tensions[-2] == pytest.approx(math.exp(0.2 * 0.5 * math.pi / 0.5))

@@ -86,7 +86,6 @@ def figures() -> Iterator[tuple[str, FigureWithData]]:
         "band-saw",
         "traction",
         "belt-drive",
-        "band-brake",
         "cable-pull",
         "tendon",
     ):

@@ -16,8 +16,6 @@ from ropefric.systems.beltdrive.drive import (
     DriveProblem,
     answerable,
     best_speed_m_s,
-    brake_of,
-    needed_width_m,
 )
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
@@ -68,8 +66,6 @@ class BeltTable(kind.Table):
     span_length : Of the free belt from one pulley to the other.
     centre_distance : Of the pulleys; span, wraps and belt length follow from it.
     crossed : Whether the belt crosses itself between the pulleys.
-    stress : Allowable; with it and a power the width follows.
-    density : Of the belt; its mass then grows with the width that is sought.
     """
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
@@ -80,10 +76,6 @@ class BeltTable(kind.Table):
     span_length: Annotated[float | None, kind.key("m", "1.2 m", "span_m")] = None
     centre_distance: Annotated[float | None, kind.key("m", "1.2 m", "centre_distance_m")] = None
     crossed: bool = False
-    stress: Annotated[float | None, kind.key("Pa", "2 MPa", "stress_Pa")] = None
-    density: Annotated[float | None, kind.key("kg/m^3", "1000 kg/m^3", "density_kg_m3")] = None
-
-    rules = (kind.needs("density", "stress"), kind.excludes("density", "linear_density"))
 
 
 class TensionTable(kind.Table):
@@ -91,29 +83,12 @@ class TensionTable(kind.Table):
 
     Keys
     ----
-    closure : What the force is: the most of the tight side, the slack side's, the pretension at rest, a lever's effort.
+    closure : What the force is: the most of the tight side, the slack side's, or the pretension at rest.
     force : Of one belt.
     """
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
     force: Annotated[float, kind.key("N", "1200 N", "tension_N")]
-
-
-class BrakeTable(kind.Table):
-    """`[brake]`: the lever of a band brake, for the closure lever; the force is then the effort at its end.
-
-    Keys
-    ----
-    lever : Arm of the effort about the fulcrum.
-    tight_arm : Arm of the band's tight end; 0 at the fulcrum, negative where its pull helps the effort.
-    slack_arm : Arm of the band's slack end, likewise.
-    torque : To be held; gives the effort that it takes.
-    """
-
-    lever: Annotated[float, kind.key("m", "400 mm", "lever_m")]
-    tight_arm: Annotated[float, kind.key("m", "80 mm", "tight_arm_m", above=None)] = 0.0
-    slack_arm: Annotated[float, kind.key("m", "150 mm", "slack_arm_m", above=None)] = 0.0
-    torque: Annotated[float | None, kind.key("N*m", "350 N*m", "brake_torque_N_m")] = None
 
 
 class LoadTable(kind.Table):
@@ -134,14 +109,12 @@ class DriveScene(kind.SceneTable):
     driven: DrivenTable | None = None
     belt: BeltTable
     tension: TensionTable
-    brake: BrakeTable | None = None
     load: LoadTable | None = None
     friction: kind.FrictionTable
 
     rules = (
         kind.one_of("driving.wrap", "belt.centre_distance"),
         kind.excludes("belt.centre_distance", "belt.span_length", "driven.wrap"),
-        kind.excludes("brake", "driven", "load"),
         kind.needs("belt.centre_distance", "driven"),
         kind.needs("belt.span_length", "driven"),
         kind.needs("belt.crossed", "belt.centre_distance"),
@@ -149,9 +122,6 @@ class DriveScene(kind.SceneTable):
     )
 
     def _check(self) -> None:
-        if (self.brake is not None) != (self.tension.closure == "lever"):
-            fix = 'write closure = "lever" and [brake], or neither'
-            reject("RF121", "the closure lever is that of a band brake", fix=fix, key="tension.closure")
         if self.driven is not None and self.driven.wrap is None and (self.driving.wrap or 0.0) >= _TURN:
             reject(
                 "RF121",
@@ -172,21 +142,11 @@ def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
 
 def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quantity, ...]:
     found = {name: getattr(answer, name) for name in ("full_pull_N", "full_tight_N", "full_slack_N")}
-    found["initial_tension_N"] = 0.5 * (answer.full_tight_N + answer.full_slack_N)
     if problem.speed_rad_s is not None:
         found["full_power_W"] = answer.full_power_W
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
-        found["belts_needed"] = answer.utilisation * problem.belt_count
-    if (width_m := needed_width_m(answer)) is not None:
-        found["needed_width_m"] = width_m
-    quantities = [kind.Quantity(name, value, positive=True) for name, value in found.items()]
-    if (brake := brake_of(answer)) is not None:
-        named = {name: value for name, value in brake._asdict().items() if value is not None}
-        named["torque_N_m"] = answer.pull_N * problem.wheel_radius_m
-        # A brake that holds by itself needs a negative effort.
-        quantities += [kind.Quantity(f"brake.{name}", value) for name, value in named.items()]
-    return tuple(quantities)
+    return tuple(kind.Quantity(name, value, positive=True) for name, value in found.items())
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure, ...]:
@@ -234,7 +194,6 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
             "wrap_angle_rad": float(wrap[0]),
             "mu": float(answer.coefficients[place, 0]),
             "slip_arc_rad": kind.finite(answer.slip_arc_rad[place, 0]),
-            "adhesion_arc_rad": kind.finite(wrap[0] - answer.slip_arc_rad[place, 0]),
         }
         for place, (name, wrap) in enumerate(wraps.items())
         if wrap is not None
@@ -274,7 +233,6 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append(f"belt length {tree['belt_length_m']:.6g} m, of it {tree['span_m']:.6g} m in each span")
     if tree["closure"] == "fixed" and not tree["keeps_length"]:
         lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
-    lines += _brake_lines(tree.get("brake", {}))
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if tree.get("belts") is not None:
@@ -294,27 +252,10 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     columns: kind.Columns = {
         "wrap [deg]": ("wrap_angle_rad", ".1f", _DEGREES),
         "slips over [deg]": ("slip_arc_rad", ".1f", _DEGREES),
-        "adheres over [deg]": ("adhesion_arc_rad", ".1f", _DEGREES),
         "mu with groove": ("mu", ".4g"),
         "driven [rpm]": ("speed_rad_s", ".5g", _PER_MINUTE),
     }
     return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
-
-
-def _brake_lines(brake: Mapping[str, Any]) -> list[str]:
-    if not brake:
-        return []
-    back = brake["reversed_torque_N_m"]
-    other = "locks by itself" if back is None else f"brakes with {back:.5g} N m"
-    lines = [f"the effort brakes with {brake['torque_N_m']:.5g} N m; turning the other way it {other}"]
-    for name, way in (
-        ("needed_effort_N", "the torque to be held"),
-        ("reversed_effort_N", "turning the other way"),
-    ):
-        if brake.get(name) is not None:
-            held = " or less: it locks by itself" if brake[name] <= 0.0 else ""
-            lines.append(f"{way} takes an effort of {brake[name]:.5g} N{held}")
-    return lines
 
 
 def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
@@ -334,28 +275,6 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     return Chart("Power of all belts over their speed", *axes, tuple(lines))
 
 
-def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
-    """Return the tension round each pulley: constant where the belt adheres, then changing until it leaves."""
-    wraps = [problem.wrap_angle_rad[0]]
-    wraps += [] if problem.driven_wrap_rad is None else [problem.driven_wrap_rad[0]]
-    slips = answer.slip_arc_rad[: len(wraps), 0]
-    if np.isnan(slips).any():
-        return None
-    circling_N, lines = answer.circling_N[0], []
-    enters = (answer.tight_N[0] - circling_N, answer.slack_N[0] - circling_N)
-    for place, (name, wrap) in enumerate(zip(("driving pulley", "driven pulley"), wraps, strict=False)):
-        angle = np.linspace(0.0, wrap, 201)
-        grown = answer.coefficients[place, 0] * np.maximum(angle - (wrap - slips[place]), 0.0)
-        tension_N = circling_N + enters[place] * np.exp(-grown if place == 0 else grown)
-        lines.append(Line(name, np.degrees(angle), tension_N))
-    axes = "angle_deg", "Angle from where the belt arrives [deg]", "tension_N", "Tension T [N]"
-    return Chart(
-        "Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
-        *axes,
-        tuple(lines),
-    )
-
-
 KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -370,20 +289,15 @@ KIND = kind.Kind(
     sections=_sections,
     beyond={
         "circling_N": "what keeps the belt on its circle",
-        "pulleys.driving.adhesion_arc_rad": "the arc of adhesion on the driving pulley",
-        "pulleys.driven.adhesion_arc_rad": "the arc of adhesion on the driven pulley",
         "creep.power_lost_W": "the power that creep takes",
     },
     undecided=_undecided,
-    figures={"belt_power": kind.Figure(_power_chart), "belt_arcs": kind.Figure(_arcs_chart)},
+    figures={"belt_power": kind.Figure(_power_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",
         "full_tight_N": "Tight side at the largest pull, a belt [N]",
         "full_slack_N": "Slack side at the largest pull, a belt [N]",
-        "initial_tension_N": "Initial tension for the largest pull, (T1 + T2)/2 a belt [N]",
         "full_power_W": "Largest power of all belts at this speed [W]",
         "utilisation": "Share of the largest pull at work",
-        "needed_width_m": "Width of each belt that the power takes [m]",
-        "belts_needed": "Belts that the power takes, before rounding up",
     },
 )

@@ -31,7 +31,6 @@ class LineTable(kind.Table):
     direction : Whether the rope is pulled from start to end, or paid out, so that friction helps the hand at the end.
     start_tension : Before the first element.
     end_tension : Behind the last element, at the hand.
-    pull : Effective pull of all drums that have a share of it.
     anchorage_slip : w, by which the anchorage lets a stressed tendon back.
     tension_limit : Largest tension that the rope may have anywhere.
     """
@@ -39,7 +38,6 @@ class LineTable(kind.Table):
     direction: Annotated[str, PlainValidator(choice(lambda: _DIRECTIONS))] = "pull"
     start_tension: Annotated[float | None, kind.key("N", "90 lbf", "start_tension_N", or_zero=True)] = None
     end_tension: Annotated[float | None, kind.key("N", "200 N", "end_tension_N", or_zero=True)] = None
-    pull: Annotated[float | None, kind.key("N", "20 kN", "pull_N")] = None
     anchorage_slip: Annotated[float | None, kind.key("m", "6 mm", "anchorage_slip_m")] = None
     tension_limit: Annotated[float | None, kind.key("N", "10 kN", "tension_limit_N")] = None
 
@@ -70,7 +68,7 @@ class ElementTable(kind.Table):
     ----
     kind : What it is.
     name : What the answer calls it.
-    angle : Of a bend, drum or wheel: over which the rope lies on it.
+    angle : Of a bend or drum: over which the rope lies on it.
     radius : Of a bend or drum: of what the rope lies on; for the side pressure.
     length : Of a bend or run: along the rope.
     slope : Of a run: α, positive uphill from start to end.
@@ -81,7 +79,6 @@ class ElementTable(kind.Table):
     efficiency : Of a wheel: η, the tension that arrives over that which pulls.
     drag : Of a wheel: D, the force that turns it without load.
     torque : Of a drum: that drives it, negative where it brakes; all its friction if left out.
-    share : Of a drum: of the pull of all drums; in place of a torque.
     braked : Of a drum: whether one without torque holds the rope back with all its friction.
     force : Of a force: by which the tension is larger behind it.
     """
@@ -99,7 +96,6 @@ class ElementTable(kind.Table):
     efficiency: Annotated[float | None, PlainValidator(_efficiency), Becomes("efficiency")] = None
     drag: Annotated[float | None, key("N", "20 N", "drag_N")] = None
     torque: Annotated[float | None, key("N*m", "150 N*m", "torque_N_m", above=None)] = None
-    share: Annotated[float | None, PlainValidator(zero_or_more), Becomes("share")] = None
     braked: Annotated[bool | None, Becomes("braked")] = None
     force: Annotated[float | None, key("N", "200 N", "force_N", above=None)] = None
 
@@ -136,7 +132,7 @@ class LineScene(kind.SceneTable):
         elements = [one.element(place) for place, one in enumerate(self.element)]
         if not elements:
             reject("RF121", "the line has no element", fix="add a table [[element]]", key="element")
-        self._check_ends([one for one in elements if isinstance(one, Drum)])
+        self._check_ends()
         self._check_tendon(elements)
         for place, one in enumerate(elements) if self.friction is None else ():
             if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
@@ -147,18 +143,14 @@ class LineScene(kind.SceneTable):
                     key=f"element.{place}",
                 )
 
-    def _check_ends(self, drums: list[Drum]) -> None:
+    def _check_ends(self) -> None:
         line = self.line
         if line.start_tension is not None and line.end_tension is not None:
             fix = "keep the one that is known"
             reject("RF111", "start_tension and end_tension are both given", fix=fix, key="line.end_tension")
-        is_known = line.start_tension is not None or line.end_tension is not None
-        if not is_known and not any(one.is_set for one in drums):
+        if line.start_tension is None and line.end_tension is None:
             fix = 'add start_tension = "90 N", before the first element, or end_tension, behind the last'
             reject("RF121", "the tension is known at neither end", fix=fix, key="line.start_tension")
-        if (line.pull is not None) != any(one.share is not None for one in drums):
-            fix = 'give pull = "20 kN" to [line] and a share to its drums, or neither'
-            reject("RF121", "a pull needs drums with a share of it", fix=fix, key="line.pull")
 
     def _rubs(self, run: Any) -> bool:
         return self.rope.linear_density is not None or run.wobble_1_m is not None
@@ -202,7 +194,6 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
         per_hand = np.divide(answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0)
         found |= {"load_N": answer.load_N, "advantage": per_hand}
     found["elongation_m"] = answer.stretch_m.sum(axis=0) if answer.stretches else None
-    found["needed_end_tension_N"] = answer.needed_end_N
     cycle = answer.cycle
     if cycle is not None and np.isfinite(cycle.pulled_N).any():
         found["cycle.pull_tension_N"], found["cycle.pay_out_tension_N"] = cycle.pulled_N, cycle.paid_out_N
@@ -262,7 +253,6 @@ _COLUMNS: kind.Columns = {
     "T out [N]": ("tension_out_N", ".5g"),
     "T/R [N/m]": ("normal_N_m", ".4g"),
     "used": ("utilisation", ".3g"),
-    "pulls at it [N]": ("resultant_N", ".4g"),
     "torque [N m]": ("torque_N_m", ".4g"),
     "longer by [mm]": ("elongation_m", ".4g", 1e3),
 }
@@ -358,6 +348,5 @@ KIND = kind.Kind(
         "load_N": "Load that the carrying runs hold [N]",
         "advantage": "Load over the tension at the hand",
         "elongation_m": "Elongation of the rope [m]",
-        "needed_end_tension_N": "Least take-up tension that serves all drums [N]",
     },
 )

@@ -84,7 +84,6 @@ class LineProblem(Cases):
     pulled: bool = True
     start_tension_N: ZeroOrMore | None = None
     end_tension_N: ZeroOrMore | None = None
-    pull_N: Positive | None = None
     tension_limit_N: Positive | None = None
     anchorage_slip_m: Positive | None = None
     linear_density_kg_m: Positive | None = None

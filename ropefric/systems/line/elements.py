@@ -61,19 +61,13 @@ class Bend(Element):
         return np.asarray(self.stretching_m * np.where(pulls, mean_N, slack_N))
 
     def numbers(self, passage: Passage, in_N: FloatArray, out_N: FloatArray) -> dict[str, FloatArray]:  # noqa: ARG002
-        """Return the side pressure at its tight end, its share of the limit, and what the rope pulls the bend with."""
-        found = {"resultant_N": resultant_N(self.angle_rad, in_N, out_N)}
-        if self.radius_m is not None:
-            found["normal_N_m"] = np.maximum(in_N, out_N) / self.radius_m
-            if self.normal_limit_N_m is not None:
-                found["utilisation"] = found["normal_N_m"] / self.normal_limit_N_m
-        return found
-
-
-def resultant_N(angle_rad: float, in_N: FloatArray, out_N: FloatArray) -> FloatArray:
-    """Return what the tensions of both sides of a wrap pull with together [N]; of 180° it is their sum."""
-    half = np.square(np.sin(0.5 * angle_rad))
-    return np.asarray(np.sqrt((in_N - out_N) ** 2 + 4.0 * in_N * out_N * half))
+        """Return the side pressure at its tight end, and its share of the limit."""
+        if self.radius_m is None:
+            return {}
+        pressure_N_m = np.maximum(in_N, out_N) / self.radius_m
+        limit_N_m = self.normal_limit_N_m
+        used = {} if limit_N_m is None else {"utilisation": pressure_N_m / limit_N_m}
+        return {"normal_N_m": pressure_N_m} | used
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,31 +80,20 @@ class Drum(Element):
     angle_rad: float
     radius_m: float | None = None
     torque_N_m: float | None = None
-    share: float | None = None
     braked: bool = False
     mu: float | None = None
 
     def missing(self) -> str:
-        """Return what a torque needs, and what to take out where two things are given."""
-        if self.torque_N_m is not None and self.share is not None:
-            return "either torque or share, not both"
-        return (
-            'radius = "200 mm", for the torque'
-            if self.torque_N_m is not None and self.radius_m is None
-            else ""
-        )
+        """Return what a torque needs."""
+        lacks = self.torque_N_m is not None and self.radius_m is None
+        return 'radius = "200 mm", for the torque' if lacks else ""
 
     @property
-    def is_set(self) -> bool:
-        """Return whether its pull is given, so that all its friction need not be used."""
-        return self.torque_N_m is not None or self.share is not None
-
-    def pull_N(self, passage: Passage) -> FloatArray:
-        """Return the pull that is given: its torque over its radius, or its share of all."""
-        problem = passage.model.problem
-        if self.torque_N_m is not None and self.radius_m is not None:
-            return np.full(problem.n, self.torque_N_m / self.radius_m)
-        return np.asarray((self.share or 0.0) * problem.product("pull_N"))
+    def pull_N(self) -> float | None:
+        """Return the pull that is given by its torque; None where it pulls with all its friction."""
+        if self.torque_N_m is None or self.radius_m is None:
+            return None
+        return self.torque_N_m / self.radius_m
 
     @property
     def _contact(self) -> Contact:
@@ -122,37 +105,25 @@ class Drum(Element):
         found = passage.exponent(self._contact, np.full_like(slack_N, self.angle_rad), pressing_N)
         return np.broadcast_to(found, slack_N.shape)
 
-    def needed_out_N(self, passage: Passage) -> FloatArray:
-        """Return the least tension behind it that lets it pull what it is given; inf where it has no friction."""
-        pull_N, least_N = self.pull_N(passage), np.ones(passage.model.problem.n)
-        for _ in range(100):
-            exponent, before_N = self.exponent(passage, least_N), least_N
-            # A drum that brakes has the smaller tension before it.
-            ratio = np.where(pull_N > 0.0, np.expm1(exponent), -np.expm1(-exponent))
-            least_N = np.divide(np.abs(pull_N), ratio, out=np.full_like(ratio, np.inf), where=ratio > 0.0)
-            least_N = np.where(pull_N == 0.0, 0.0, least_N)
-            if (np.isinf(least_N) | (np.abs(least_N - before_N) <= 1e-14 * least_N)).all():
-                break
-        return least_N
-
     def tension_N(self, passage: Passage, known_N: FloatArray) -> FloatArray:
         """Return the tension on its other side: by the pull that is given, else by e^M."""
-        if self.is_set:
-            return known_N - passage.ways[0] * self.pull_N(passage)
+        if self.pull_N is not None:
+            return known_N - passage.ways[0] * self.pull_N
         # The tension is large before a drum that drives, whichever way the rope moves, and behind one that brakes.
         turning = passage.limp()._replace(is_pulled=self.braked)
         return turning.round_bend(known_N, self._contact)
 
     def numbers(self, passage: Passage, in_N: FloatArray, out_N: FloatArray) -> dict[str, FloatArray]:
-        """Return the share of its friction that is used, its pull and torque, the side pressure and the resultant."""
+        """Return the share of its friction that is used, its pull and torque, and the side pressure."""
         low_N, high_N = np.minimum(in_N, out_N), np.maximum(in_N, out_N)
         # What friction holds, from the exponent: a difference of two tensions would lose a small one's digits.
         free_N = low_N * np.expm1(self.exponent(passage, low_N))
-        pull_N = self.pull_N(passage) if self.is_set else free_N * (-1.0 if self.braked else 1.0)
+        pull_N = free_N * (-1.0 if self.braked else 1.0)
+        if self.pull_N is not None:
+            pull_N = np.full_like(free_N, self.pull_N)
         asked_N = np.abs(pull_N)
         use = np.divide(asked_N, free_N, out=np.full_like(free_N, np.inf), where=free_N > 0.0)
         found = {"pull_N": pull_N, "utilisation": np.where(asked_N == 0.0, 0.0, use)}
-        found["resultant_N"] = resultant_N(self.angle_rad, in_N, out_N)
         if self.radius_m is not None:
             found |= {"normal_N_m": high_N / self.radius_m, "torque_N_m": pull_N * self.radius_m}
         return found
@@ -215,7 +186,6 @@ class Wheel(Element):
 
     efficiency: float | None = None
     drag_N: float | None = None
-    angle_rad: float | None = None
 
     @property
     def effects(self) -> frozenset[str]:
@@ -228,10 +198,6 @@ class Wheel(Element):
             (self.efficiency or 1.0, self.drag_N or 0.0) if passage.has("bearing") else (1.0, 0.0)
         )
         return known_N / efficiency + drag_N if passage.rises else (known_N - drag_N) * efficiency
-
-    def numbers(self, passage: Passage, in_N: FloatArray, out_N: FloatArray) -> dict[str, FloatArray]:  # noqa: ARG002
-        """Return the force on its axle."""
-        return {} if self.angle_rad is None else {"resultant_N": resultant_N(self.angle_rad, in_N, out_N)}
 
 
 ELEMENTS: dict[str, type[Element]] = {one.kind: one for one in (Bend, Drum, Force, Run, Wheel)}

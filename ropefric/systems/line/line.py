@@ -1,7 +1,6 @@
-"""A rope through all its elements: tensions, elongation, a cycle, what a take-up holds."""
+"""A rope through all its elements: tensions, elongation, a cycle."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -38,8 +37,6 @@ class LineAnswer(NamedTuple):
         Elongation of the rope in each element; zero where it does not stretch.
     cycle : Cycle or None
         Of a line without drums; NaN where the rope would have to push.
-    needed_end_N : ndarray or None
-        Least tension behind the last element with which every drum transmits its given pull.
     anchored : Anchored or None
         Of a tendon after the slip at its anchorage.
     """
@@ -49,7 +46,6 @@ class LineAnswer(NamedTuple):
     numbers: tuple[dict[str, FloatArray], ...]
     stretch_m: FloatArray
     cycle: Cycle | None
-    needed_end_N: FloatArray | None
     anchored: Anchored | None
 
     @property
@@ -72,7 +68,6 @@ class LineAnswer(NamedTuple):
         """Return the logarithms of all forces, shape (m, n); NaN of negative ones."""
         found = [*self.tension_N, *(value for one in self.numbers for value in one.values())]
         found += [] if self.cycle is None else [self.cycle.pulled_N, self.cycle.paid_out_N]
-        found += [] if self.needed_end_N is None else [self.needed_end_N]
         return _logs(found, self.model.problem.n)
 
     @property
@@ -99,17 +94,9 @@ def distance(answer: LineAnswer, reference: LineAnswer, whole: LineAnswer) -> fl
 def solve_line(model: LineModel) -> LineAnswer:
     """Return the tensions along a line, and what follows from them."""
     problem = model.problem
-    start_N, end_N, needed_end_N = problem.start_tension_N, problem.end_tension_N, _needed_end_N(model)
-    if start_N is None and end_N is None and needed_end_N is not None:
-        end_N = needed_end_N
-        refuse(
-            ~np.isfinite(end_N),
-            "no tension lets a drum without friction pull anything",
-            code="RF510",
-            key="mu",
-            fix="give the drum a coefficient",
-        )
-    tension_N = _tensions(model, is_pulled=problem.pulled, start_N=start_N, end_N=end_N)
+    tension_N = _tensions(
+        model, is_pulled=problem.pulled, start_N=problem.start_tension_N, end_N=problem.end_tension_N
+    )
     passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
     triples = list(zip(problem.elements, tension_N[:-1], tension_N[1:], strict=True))
     has_drum = any(isinstance(one, Drum) for one in problem.elements)
@@ -119,7 +106,6 @@ def solve_line(model: LineModel) -> LineAnswer:
         numbers=tuple(one.numbers(passage, before_N, after_N) for one, before_N, after_N in triples),
         stretch_m=_stretch_m(passage, tension_N),
         cycle=None if has_drum else _cycle(model, tension_N[0]),
-        needed_end_N=needed_end_N,
         anchored=_anchored(model, tension_N),
     )
 
@@ -146,7 +132,7 @@ def _tensions(
             "the tension is known at neither end of the line",
             code="RF121",
             key="start_tension_N",
-            fix='add start_tension = "90 N", or end_tension; drums with a share of a pull need neither',
+            fix='add start_tension = "90 N", or end_tension',
         )
     elements = model.problem.elements
     found = [np.broadcast_to(known_N, (model.problem.n,))]
@@ -189,21 +175,6 @@ def _both_ways(model: LineModel, start_N: FloatArray) -> Cycle:
     if "stretch" in model.effects and problem.axial_stiffness_N is not None:
         lost_m = (drawn_N_m[0] - drawn_N_m[1]) / problem.axial_stiffness_N
     return Cycle(*(np.where(pulls, one, np.nan) for one in (*ends_N, lost_m)))
-
-
-def _needed_end_N(model: LineModel) -> FloatArray | None:
-    """Return the take-up tension that serves all drums whose pull is given: the largest that any of them needs."""
-    problem = model.problem
-    passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
-    needed = []
-    for place, one in enumerate(problem.elements):
-        if isinstance(one, Drum) and one.is_set:
-            behind_N = one.needed_out_N(passage)
-            held = np.isfinite(behind_N)
-            rest = replace(model, problem=replace(problem, elements=problem.elements[place + 1 :]))
-            end_N = _tensions(rest, is_pulled=problem.pulled, start_N=np.where(held, behind_N, 0.0))[-1]
-            needed.append(np.where(held, end_N, np.inf))
-    return np.max(needed, axis=0) if needed else None
 
 
 def _anchored(model: LineModel, tension_N: FloatArray) -> Anchored | None:

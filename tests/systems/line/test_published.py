@@ -92,7 +92,8 @@ STRESSED = {"line": {"start_tension": f"{202.5 * KSI!r} N", "direction": "pay-ou
 
 def take_up(source, value, half, degrees, coefficient):
     """Slack tension that one newton of pull needs, the drive factor of a conveyor."""
-    return Printed(source, value, half, "needed_end_tension_N", [drum(degrees, share=1.0)], {"pull": "1 N"},
+    turned = [drum(degrees, radius="1 m", torque="1 N*m")]
+    return Printed(source, value, half, "elements.0.utilisation", turned, {"end_tension": "1 N"},
                    friction=mu(coefficient))  # fmt: skip
 
 

@@ -85,7 +85,6 @@ def figures() -> Iterator[tuple[str, FigureWithData]]:
         "press-start-up",
         "band-saw",
         "traction",
-        "belt-drive",
         "cable-pull",
         "tendon",
     ):

@@ -9,7 +9,7 @@ from pydantic import PlainValidator
 
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
-from ropefric.section import Chart, Line, Section
+from ropefric.section import Section
 from ropefric.systems.beltdrive.drive import (
     CLOSURES,
     DriveAnswer,
@@ -258,23 +258,6 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
 
 
-def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
-    best = best_speed_m_s(problem)
-    if best is None or problem.linear_density_kg_m is None:
-        return None
-    fastest = math.sqrt(3.0) * float(best[0])
-    speeds = np.linspace(0.0, fastest, 201)
-    share = float((answer.full_pull_N / (problem.tension_N - answer.circling_N))[0])
-    power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
-    at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
-    lines = [Line("at most", speeds, power_kW), Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True)]
-    if problem.speed_rad_s is not None:
-        work_W = answer.pull_N * problem.belt_speed_m_s
-        lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
-    axes = "belt_speed_m_s", "Belt speed v [m/s]", "power_kW", "Power P [kW]"
-    return Chart("Power of all belts over their speed", *axes, tuple(lines))
-
-
 KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -292,7 +275,6 @@ KIND = kind.Kind(
         "creep.power_lost_W": "the power that creep takes",
     },
     undecided=_undecided,
-    figures={"belt_power": kind.Figure(_power_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",
         "full_tight_N": "Tight side at the largest pull, a belt [N]",

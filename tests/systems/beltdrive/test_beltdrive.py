@@ -202,15 +202,6 @@ def test_a_sweep_and_a_fit(tmp_path):
     assert low < tree["full_power_W"] < high
 
 
-def test_the_chart_shows_the_power_over_the_speed(tmp_path):
-    solution = rf.solve(scene(tmp_path))
-    chart = solution.scene.kind.figures["belt_power"].data(solution.answer, solution.scene.problem)
-    most, best, at_work = chart.lines
-    tree = solution.to_dict()["best"]
-    assert (best.x[0], most.y.max()) == pytest.approx((tree["speed_m_s"], 1e-3 * tree["power_W"]), rel=1e-4)
-    assert at_work.y[0] == pytest.approx(120.0)
-
-
 def test_bad_keys_are_refused_by_name(tmp_path):
     for old, new, words in [
         ('closure = "limit"', 'closure = "limt"', "did you mean 'limit'"),

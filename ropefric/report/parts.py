@@ -402,14 +402,14 @@ def explanation_sections(told: "Explanation") -> list[Section]:
     ]
     if told.is_measured:
         for row, one in zip(rows, plan.decisions, strict=True):
-            row += [_takes(one), "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"]
+            row.append(_takes(one))
         saved = f"the difference is below what the clock resolves here, {_time(told.spread_s)}"
         if abs(told.saved_s) > told.spread_s:
             what = "saves" if told.saved_s > 0.0 else "costs"
             saved = f"which {what} {_time(abs(told.saved_s))} (± {_time(0.5 * told.spread_s)})"
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
         lines.append(f"measured: difference {told.difference:.2g}; {times}; {saved}")
-    headings = ("effect", "used ", "largest influence", "time", "share of time")
+    headings = ("effect", "used ", "largest influence", "time")
     reasons: dict[str, list[str]] = {}
     for one in plan.decisions:
         reasons.setdefault(_why(one), []).append(one.name)
@@ -418,7 +418,7 @@ def explanation_sections(told: "Explanation") -> list[Section]:
         Section(
             f"Effects of this {told.system} scene",
             lines,
-            headings[: 5 if told.is_measured else 3],
+            headings[: 4 if told.is_measured else 3],
             rows,
             2,
             notes,

@@ -77,10 +77,7 @@ class ElementTable(kind.Table):
     normal_limit : Of a bend: largest side pressure T/R.
     carries : Of a run: whether its tension carries the load of a hauling system.
     efficiency : Of a wheel: η, the tension that arrives over that which pulls.
-    drag : Of a wheel: D, the force that turns it without load.
     torque : Of a drum: that drives it, negative where it brakes; all its friction if left out.
-    braked : Of a drum: whether one without torque holds the rope back with all its friction.
-    force : Of a force: by which the tension is larger behind it.
     """
 
     kind: Annotated[str, PlainValidator(choice(lambda: ELEMENTS))]
@@ -94,10 +91,7 @@ class ElementTable(kind.Table):
     normal_limit: Annotated[float | None, key("N/m", "5 kN/m", "normal_limit_N_m")] = None
     carries: Annotated[bool | None, Becomes("carries")] = None
     efficiency: Annotated[float | None, PlainValidator(_efficiency), Becomes("efficiency")] = None
-    drag: Annotated[float | None, key("N", "20 N", "drag_N")] = None
     torque: Annotated[float | None, key("N*m", "150 N*m", "torque_N_m", above=None)] = None
-    braked: Annotated[bool | None, Becomes("braked")] = None
-    force: Annotated[float | None, key("N", "200 N", "force_N", above=None)] = None
 
     def _check(self) -> None:
         self.element(0)

@@ -1,4 +1,4 @@
-"""The elements of a line: bends, drums, forces along the rope, straight runs and wheels."""
+"""The elements of a line: bends, drums, straight runs and wheels."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -80,7 +80,6 @@ class Drum(Element):
     angle_rad: float
     radius_m: float | None = None
     torque_N_m: float | None = None
-    braked: bool = False
     mu: float | None = None
 
     def missing(self) -> str:
@@ -109,8 +108,8 @@ class Drum(Element):
         """Return the tension on its other side: by the pull that is given, else by e^M."""
         if self.pull_N is not None:
             return known_N - passage.ways[0] * self.pull_N
-        # The tension is large before a drum that drives, whichever way the rope moves, and behind one that brakes.
-        turning = passage.limp()._replace(is_pulled=self.braked)
+        # The tension is large before a drum, whichever way the rope moves.
+        turning = passage.limp()._replace(is_pulled=False)
         return turning.round_bend(known_N, self._contact)
 
     def numbers(self, passage: Passage, in_N: FloatArray, out_N: FloatArray) -> dict[str, FloatArray]:
@@ -118,28 +117,13 @@ class Drum(Element):
         low_N, high_N = np.minimum(in_N, out_N), np.maximum(in_N, out_N)
         # What friction holds, from the exponent: a difference of two tensions would lose a small one's digits.
         free_N = low_N * np.expm1(self.exponent(passage, low_N))
-        pull_N = free_N * (-1.0 if self.braked else 1.0)
-        if self.pull_N is not None:
-            pull_N = np.full_like(free_N, self.pull_N)
+        pull_N = free_N if self.pull_N is None else np.full_like(free_N, self.pull_N)
         asked_N = np.abs(pull_N)
         use = np.divide(asked_N, free_N, out=np.full_like(free_N, np.inf), where=free_N > 0.0)
         found = {"pull_N": pull_N, "utilisation": np.where(asked_N == 0.0, 0.0, use)}
         if self.radius_m is not None:
             found |= {"normal_N_m": high_N / self.radius_m, "torque_N_m": pull_N * self.radius_m}
         return found
-
-
-@dataclass(frozen=True, kw_only=True)
-class Force(Element):
-    """A force by which the tension is larger behind it, whichever way the rope moves."""
-
-    kind: ClassVar[str] = "force"
-
-    force_N: float
-
-    def tension_N(self, passage: Passage, known_N: FloatArray) -> FloatArray:
-        """Return the tension on its other side."""
-        return known_N + passage.ways[0] * self.force_N
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,25 +164,22 @@ class Run(Element):
 
 @dataclass(frozen=True, kw_only=True)
 class Wheel(Element):
-    """A pulley: T_out = T_in/η + D where the rope is pulled, T_in η − D where it is paid out."""
+    """A pulley: T_out = T_in/η where the rope is pulled, T_in η where it is paid out."""
 
     kind: ClassVar[str] = "wheel"
 
     efficiency: float | None = None
-    drag_N: float | None = None
 
     @property
     def effects(self) -> frozenset[str]:
         """Return its bearing, where that is given."""
-        return frozenset({"bearing"} if self.efficiency is not None or self.drag_N is not None else ())
+        return frozenset(() if self.efficiency is None else {"bearing"})
 
     def tension_N(self, passage: Passage, known_N: FloatArray) -> FloatArray:
         """Return the tension on its other side."""
-        efficiency, drag_N = (
-            (self.efficiency or 1.0, self.drag_N or 0.0) if passage.has("bearing") else (1.0, 0.0)
-        )
-        return known_N / efficiency + drag_N if passage.rises else (known_N - drag_N) * efficiency
+        efficiency = self.efficiency if passage.has("bearing") and self.efficiency is not None else 1.0
+        return known_N / efficiency if passage.rises else known_N * efficiency
 
 
-ELEMENTS: dict[str, type[Element]] = {one.kind: one for one in (Bend, Drum, Force, Run, Wheel)}
+ELEMENTS: dict[str, type[Element]] = {one.kind: one for one in (Bend, Drum, Run, Wheel)}
 """Every kind of element by the name that a scene has for it."""

@@ -62,16 +62,6 @@ def test_which_roller_slips_is_open_within_the_bound_of_a_list(loaded, scene_of)
     ).undecided
 
 
-def test_how_many_belts_a_power_takes_is_open_within_the_bound_of_a_list(loaded, scene_of):
-    tree = loaded("belt-drive").document.data | {"effects": ["wedge", "centrifugal"]}
-    full_W = solve_scene(scene_of(**{name: one for name, one in tree.items() if name != "load"})).quantities
-    power_W = next(one.value[0] for one in full_W if one.name == "full_power_W")
-    open_, settled = (solve_scene(scene_of(**tree | {"load": {"power": f"{share * power_W:.6g} W"}}))
-                      for share in (0.9999, 0.6))  # fmt: skip
-    assert "the power takes 2 to 3 belts" in open_.undecided
-    assert not settled.undecided
-
-
 @pytest.mark.parametrize("case",
                          [("3920 N", 0.34, 1.0, "1.3 kg*m^2", "4"),
                           pytest.param(("1930 N", 0.35, 1.2, "8 kg*m^2", "5"), marks=pytest.mark.slow)])  # fmt: skip

@@ -15,7 +15,6 @@ from ropefric.systems.beltdrive.drive import (
     DriveAnswer,
     DriveProblem,
     answerable,
-    best_speed_m_s,
 )
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
@@ -161,21 +160,6 @@ def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure,
     )
 
 
-def _belts(utilisation: float, problem: DriveProblem) -> int | None:
-    """Return how many belts the power takes; None where no number of them carries it."""
-    if math.isinf(utilisation):
-        return None
-    return max(1, math.ceil(utilisation * float(problem.belt_count[0]) - 1e-9))
-
-
-def _undecided(answer: DriveAnswer, problem: DriveProblem, error: float) -> tuple[str, ...]:
-    if problem.power_W is None:
-        return ()
-    use = float(answer.utilisation[0])
-    least, most = (_belts(end, problem) for end in (use / (1.0 + error), use * (1.0 + error)))
-    return () if least == most else (f"the power takes {least} to {most} belts",)
-
-
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     speed_m_s = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     tree: dict[str, Any] = {"closure": problem.closure, "belt_speed_m_s": speed_m_s}
@@ -208,21 +192,11 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
         # Held at its slack end a band brakes by the more; the other way round it holds at the tight end.
         least = float(np.exp(-answer.exponents[0, 0]))
         tree["at_work"]["reversed_torque_N_m"] = tree["at_work"]["torque_N_m"] * least
-    best = best_speed_m_s(problem)
-    if best is not None:
-        share = answer.full_pull_N / (problem.tension_N - answer.circling_N)
-        tree["best"] = {
-            "speed_m_s": float(best[0]),
-            "rotation_rad_s": float((best / problem.wheel_radius_m)[0]),
-            "power_W": float((share * problem.tension_N * 2.0 / 3.0 * best)[0]),
-        }
-    if problem.power_W is not None:
-        tree["belts"] = _belts(float(answer.utilisation[0]), problem)
     return tree
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
-    work, best = tree["at_work"], tree.get("best")
+    work = tree["at_work"]
     lines = [
         (
             f"at work: T1 = {work['tight_N']:.5g} N, T2 = {work['slack_N']:.5g} N a belt, "
@@ -235,14 +209,6 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
-    if tree.get("belts") is not None:
-        belts = "belts" if tree["belts"] > 1 else "belt"
-        lines.append(f"the power takes {tree['belts']} {belts} with this tension")
-    if best is not None:
-        lines.append(
-            f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "
-            f"pulley, for {best['power_W']:.5g} W at most"
-        )
     if tree.get("creep", {}).get("power_lost_W"):
         creep = tree["creep"]
         lines.append(
@@ -274,7 +240,6 @@ KIND = kind.Kind(
         "circling_N": "what keeps the belt on its circle",
         "creep.power_lost_W": "the power that creep takes",
     },
-    undecided=_undecided,
     words={
         "full_pull_N": "Largest pull of all belts [N]",
         "full_tight_N": "Tight side at the largest pull, a belt [N]",

@@ -1,4 +1,4 @@
-"""Belts and ropes that carry a pull round a pulley, or from one to another: power, tensions, best speed, creep.
+"""Belts and ropes that carry a pull round a pulley, or from one to another: power, tensions, creep.
 
 `drive` is the drive and its balance of tensions, `effects` what a scene may leave out. A single pulley is a drum, a
 capstan or a band brake. Tensions are per belt and count what keeps the belt on its circle, m v2, which presses nothing.

@@ -300,17 +300,6 @@ def _kept_length_N(
     return np.nan_to_num(roots_of_cases(excess, 1e-12 * high_N, high_N))
 
 
-def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
-    """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
-
-    The pull is proportional to T − m v2 of the tension that is given; not with a kept length.
-    """
-    kept = problem.closure == "fixed" and problem.span_m is not None
-    if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
-        return None
-    return np.asarray(np.sqrt(problem.tension_N / (3.0 * problem.linear_density_kg_m)))
-
-
 def answerable(problem: DriveProblem) -> BoolArray:
     """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
     return np.asarray(problem.tension_N > problem.circling_N)

@@ -17,7 +17,6 @@ from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.systems.beltdrive.drive import (
     DriveModel,
     DriveProblem,
-    best_speed_m_s,
     solve_drive,
 )
 from ropefric.systems.beltdrive.effects import SYSTEM
@@ -45,15 +44,12 @@ def test_a_rope_on_a_drum():
 
 def test_a_flat_belt_at_its_best_speed():
     flat = {"wrap_angle_rad": math.radians(120.0), "tension_N": 1200.0, "linear_density_kg_m": 0.6}
-    best = best_speed_m_s(problem_of(0.3, **flat))
-    assert best[0] == pytest.approx(25.82, abs=0.005)
-    assert solved(problem_of(0.3, **flat, speed_rad_s=best / 0.15)).full_power_W[0] == pytest.approx(
-        9640.0, abs=5.0
-    )
-    around = solved(
+    best = np.sqrt(1200.0 / (3.0 * 0.6))
+    powers = solved(
         problem_of(0.3, **flat, speed_rad_s=best / 0.15 * np.array([0.99, 1.0, 1.01]))
     ).full_power_W
-    assert around.argmax() == 1
+    assert powers[1] == pytest.approx(9640.0, abs=5.0)
+    assert powers.argmax() == 1
 
 
 def test_what_a_textbook_of_machine_design_prints_of_its_belts():
@@ -166,8 +162,6 @@ def test_the_template_is_the_printed_drive(tmp_path):
     tree = solution.to_dict()
     assert solution.stands
     assert tree["full_power_W"] == pytest.approx(171_690.0, abs=5.0)
-    assert tree["best"]["rotation_rad_s"] / RPM == pytest.approx(2807.0, abs=0.5)
-    assert tree["belts"] == 2
     driven = tree["pulleys"]["driven"]
     assert driven["speed_rad_s"] == pytest.approx(750.0 * RPM * tree["creep"]["speed_ratio"], rel=1e-12)
     assert tree["creep"]["power_lost_W"] == pytest.approx(
@@ -181,7 +175,6 @@ def test_too_much_power_slips(tmp_path):
     solution = rf.solve(scene(tmp_path, old='"120 kW"', new='"200 kW"'))
     assert not solution.stands
     assert any("the belts slip" in words for words in solution.warnings)
-    assert solution.to_dict()["belts"] == 3
 
 
 def test_a_band_brake_both_ways(tmp_path):

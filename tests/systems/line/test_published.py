@@ -113,35 +113,21 @@ PRINTED = [
         for degrees, row in BENDS.items()
         for f, value in zip(COEFFICIENTS, row, strict=True)
     ),
-    Printed(
-        "machinecalcs.com, conduit pull tension: before the bends",
-        37.5,
-        0.05,
-        "elements.0.tension_out_N",
-        PULL,
-        **PULLED,
-        unit=LB,
+    *(
+        Printed(f"machinecalcs.com, conduit pull tension: {key}", value, half, key, PULL, **PULLED, unit=unit)
+        for key, value, half, unit in (
+            ("elements.0.tension_out_N", 37.5, 0.05, LB),
+            ("hand_tension_N", 112.6, 0.05, LB),
+            ("elements.1.normal_N_m", 225.0, 0.5, LB / FT),
+        )
     ),
-    Printed("machinecalcs.com: final pull", 112.6, 0.05, "hand_tension_N", PULL, **PULLED, unit=LB),
-    Printed(
-        "machinecalcs.com: side pressure in lb/ft",
-        225.0,
-        0.5,
-        "elements.1.normal_N_m",
-        PULL,
-        **PULLED,
-        unit=LB / FT,
-    ),
-    Printed("gera.services: straight run", 90.0, 0.5, "elements.0.tension_out_N", DUCT, **DUCTED, unit=LB),
-    Printed("gera.services: behind the bend", 144.0, 0.5, "hand_tension_N", DUCT, **DUCTED, unit=LB),
-    Printed(
-        "gera.services: side pressure in lb/ft",
-        72.0,
-        0.5,
-        "elements.1.normal_N_m",
-        DUCT,
-        **DUCTED,
-        unit=LB / FT,
+    *(
+        Printed(f"gera.services: a duct, {key}", value, 0.5, key, DUCT, **DUCTED, unit=unit)
+        for key, value, unit in (
+            ("elements.0.tension_out_N", 90.0, LB),
+            ("hand_tension_N", 144.0, LB),
+            ("elements.1.normal_N_m", 72.0, LB / FT),
+        )
     ),
     # Its 9.81 m/s2 is 0.034 % more than the standard gravity.
     Printed(

@@ -85,6 +85,8 @@ def figures() -> Iterator[tuple[str, FigureWithData]]:
         "press-start-up",
         "band-saw",
         "traction",
+        "belt-drive",
+        "band-brake",
         "cable-pull",
         "tendon",
     ):

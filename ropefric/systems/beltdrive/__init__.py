@@ -1,4 +1,4 @@
-"""Belts and ropes that carry a pull round a pulley, or from one to another: power, tensions, creep.
+"""Belts and ropes that carry a pull round a pulley, or from one to another: power, tensions, best speed, creep.
 
 `drive` is the drive and its balance of tensions, `effects` what a scene may leave out. A single pulley is a drum, a
 capstan or a band brake. Tensions are per belt and count what keeps the belt on its circle, m v2, which presses nothing.
@@ -10,6 +10,8 @@ The tensions that are given close the balance:
 - fixed: the centres stay where a pretension T was set, and the belt keeps its unstretched length, that of spans and arcs
   together: ∮ ds/(1 + T/EA), with the tension on each arc as it slips and adheres. Where no span length is given the
   spans are taken for long, T1 + T2 = 2T.
+- lever: an effort T at the end of a brake lever pulls the band of a drum tight. About the fulcrum the effort's moment
+  is that of both band ends, T l = T1 a1 + T2 a2; an arm is negative where its end helps the effort.
 
 At full pull (T1 - m v2) = (T2 - m v2) e^M on the pulley with the smaller M = mu' wrap, mu' = mu/sin(half the groove
 angle) in a wedge groove. At a lower pull the belt slips over part of the arc only, where it leaves the pulley, and

@@ -8,19 +8,19 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.fixed_centres import excess_of_length
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
 from ropefric.systems.roots import roots_of_cases
 
-CLOSURES = ("limit", "tensioner", "fixed")
+CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DriveProblem(Cases):
-    """A belt drive, n cases side by side. Without a driven pulley it is a drum."""
+    """A belt drive, n cases side by side. Without a driven pulley it is a drum or a brake."""
 
     friction: WrapFriction
     closure: str
@@ -35,6 +35,12 @@ class DriveProblem(Cases):
     span_m: Positive | None = None
     centre_distance_m: Positive | None = None
     crossed: bool = False
+    lever_m: Positive | None = None
+    tight_arm_m: AnyNumber | None = None
+    slack_arm_m: AnyNumber | None = None
+    brake_torque_N_m: Positive | None = None
+    stress_Pa: Positive | None = None
+    density_kg_m3: Positive | None = None
     linear_density_kg_m: ZeroOrMore | None = None
     groove_angle_rad: Positive | None = None
     axial_stiffness_N: Positive | None = None
@@ -75,7 +81,9 @@ class DriveProblem(Cases):
 
     @property
     def circling_N(self) -> FloatArray:
-        """Return m v2, the centripetal part of the tension [N]."""
+        """Return m v2, the centripetal part of the tension [N]; zero for the band of a brake."""
+        if self.closure == "lever":
+            return np.zeros(self.n)
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
 
     @property
@@ -261,11 +269,81 @@ def _full_N(
         return pressing_N, pressing_N * np.exp(-exponent)
     if problem.closure == "tensioner":
         return pressing_N * np.exp(exponent), pressing_N
+    if problem.closure == "lever":
+        lever_m, tight_arm_m, slack_arm_m = _lever_m(problem)
+        arm_m = slack_arm_m + tight_arm_m * np.exp(exponent)
+        refuse(
+            arm_m <= 0.0,
+            "the brake locks by itself: its tight end pulls the lever on by more than its slack end holds it",
+            code="RF510",
+            key="tight_arm_m",
+            fix="lengthen the arm of the slack end, or shorten that of the tight one",
+        )
+        slack_N = pressing_N * lever_m / arm_m
+        return slack_N * np.exp(exponent), slack_N
     if problem.span_m is not None:
         slack_N = _kept_length_N(model, exponents, lambda slack_N: slack_N * np.exp(exponent))
         return slack_N * np.exp(exponent), slack_N
     share = np.tanh(0.5 * exponent)
     return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
+
+
+def _lever_m(problem: DriveProblem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the arms of effort, tight end and slack end about the fulcrum [m], as the drum turns."""
+    return tuple(problem.product(name) for name in ("lever_m", "tight_arm_m", "slack_arm_m"))  # type: ignore[return-value]
+
+
+class Brake(NamedTuple):
+    """A band brake turning the other way, and the efforts that hold a torque, shape (n,); NaN where it locks by itself.
+
+    Turning the other way the ends of the band change their parts. An effort of zero or less holds by itself.
+    """
+
+    reversed_torque_N_m: FloatArray
+    needed_effort_N: FloatArray | None
+    reversed_effort_N: FloatArray | None
+
+
+def brake_of(answer: DriveAnswer) -> Brake | None:
+    """Return what a lever does beside the torque of the given effort; None without one."""
+    problem = answer.model.problem
+    if problem.closure != "lever":
+        return None
+    lever_m, *arms_m = _lever_m(problem)
+    exponent = answer.exponents[0]
+    arm_m = arms_m[0] + arms_m[1] * np.exp(exponent)
+    moment_N_m = problem.tension_N * lever_m * problem.wheel_radius_m * np.expm1(exponent)
+    torque_N_m = np.divide(moment_N_m, arm_m, out=np.full_like(arm_m, np.nan), where=arm_m > 0.0)
+    if problem.brake_torque_N_m is None:
+        return Brake(torque_N_m, None, None)
+    with np.errstate(divide="ignore"):
+        slack_N = problem.brake_torque_N_m / problem.wheel_radius_m / np.expm1(exponent)
+    tight_N = slack_N + problem.brake_torque_N_m / problem.wheel_radius_m
+    efforts = [(tight_N * one + slack_N * other) / lever_m for one, other in (arms_m, arms_m[::-1])]
+    return Brake(torque_N_m, *efforts)
+
+
+def needed_width_m(answer: DriveAnswer) -> FloatArray | None:
+    """Return the width of each belt that carries the power without exceeding its stress, shape (n,) [m].
+
+    σ b h = F/(1 − e^−M) + c, where c is ρ v² b h of a density, m v² of a mass per length; inf where the centrifugal
+    stress alone is too much. None without a stress or a power.
+    """
+    problem = answer.model.problem
+    if problem.stress_Pa is None or problem.power_W is None:
+        return None
+    held = -np.expm1(-np.nanmin(answer.exponents, axis=0))
+    pull_N, thickness_m = answer.pull_N / problem.belt_count, 2.0 * problem.rope_radius_m
+    spent_Pa = np.zeros(problem.n)
+    if problem.density_kg_m3 is not None and "centrifugal" in answer.model.effects:
+        spent_Pa = problem.density_kg_m3 * problem.belt_speed_m_s**2
+    circling_N = answer.circling_N if problem.density_kg_m3 is None else np.zeros(problem.n)
+    pressing_N = np.divide(pull_N, held, out=np.full_like(pull_N, np.inf), where=held > 0.0)
+    left_Pa = problem.stress_Pa - spent_Pa
+    width_m = np.divide(
+        pressing_N + circling_N, left_Pa * thickness_m, out=np.full_like(pull_N, np.inf), where=left_Pa > 0.0
+    )
+    return np.asarray(width_m)
 
 
 def _kept_length_N(
@@ -298,6 +376,17 @@ def _kept_length_N(
 
     high_N = problem.tension_N - circling_N
     return np.nan_to_num(roots_of_cases(excess, 1e-12 * high_N, high_N))
+
+
+def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
+    """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
+
+    The pull is proportional to T − m v2 of the tension that is given; not with a kept length or a band at rest.
+    """
+    kept = problem.closure == "lever" or (problem.closure == "fixed" and problem.span_m is not None)
+    if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
+        return None
+    return np.asarray(np.sqrt(problem.tension_N / (3.0 * problem.linear_density_kg_m)))
 
 
 def answerable(problem: DriveProblem) -> BoolArray:

@@ -1,8 +1,14 @@
 """The effects a belt drive may be simulated with."""
 
 from ropefric.registry import Registry
-from ropefric.systems.beltdrive.drive import solve_drive
+from ropefric.systems.beltdrive.drive import DriveProblem, solve_drive
 from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
+
+
+def _centrifugal_needs(problem: DriveProblem) -> tuple[str, ...]:
+    mass = {} if problem.density_kg_m3 is not None else {"linear_density_kg_m": "belt.linear_density"}
+    return missing(mass | {"speed_rad_s": "driving.speed"})(problem)
+
 
 EFFECTS: Registry[Effect] = Registry(
     "effect of a belt drive",
@@ -11,7 +17,7 @@ EFFECTS: Registry[Effect] = Registry(
             name="centrifugal",
             adds="the tension m v^2 that keeps the running belt on its circle and presses nothing",
             instead="a belt at rest",
-            needs=missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
+            needs=_centrifugal_needs,
         ),
         Effect(
             name="wedge",

@@ -46,7 +46,7 @@ EFFECTS: Registry[Effect] = Registry(
         ),
         Effect(
             name="bearing",
-            adds="the efficiency of wheels",
+            adds="the efficiency or drag of wheels",
             instead="wheels that turn freely",
             needs=_needs("bearing", "efficiency"),
         ),

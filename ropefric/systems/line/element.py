@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import ClassVar, NamedTuple, Self
+from typing import Annotated, ClassVar, NamedTuple, Self, get_type_hints
 
 import numpy as np
 from scipy.special import exprel
@@ -26,9 +26,37 @@ _BEND_M = frozenset({"wrap-dependence", "end-tension", "offset"})
 _SHARES, _PARTS = (0.5 * (1.0 + _NODES)) ** 3, 1.5 * (0.5 * (1.0 + _NODES)) ** 2 * _WEIGHTS
 
 
+class Given(NamedTuple):
+    """A key of an element: what it means, the unit it is read in with an example, and which values it may have.
+
+    `above` is what a value must be more than, None for any; `or_zero` lets it be 0 as well.
+    """
+
+    key: str
+    meaning: str
+    si_unit: str = ""
+    like: str = ""
+    above: float | None = 0.0
+    or_zero: bool = False
+    at_most: float = math.inf
+
+
+Mu = Annotated[float | None, Given("mu", "coefficient of this element alone.", or_zero=True)]
+Radius = Annotated[
+    float | None, Given("radius", "of what the rope lies on; for the side pressure.", "m", "300 mm")
+]
+Wobble = Annotated[
+    float | None, Given("wobble", "k, unintended angle per length of a duct or sheath.", "1/m", "0.01 rad/m")
+]
+Length = Annotated[float | None, Given("length", "along the rope.", "m", "30 m")]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Element:
     """Something a rope passes, which changes its tension.
+
+    A kind of element is a file in `elements` that declares `ELEMENT`, a frozen dataclass with this as its base: its
+    fields are annotated with the keys they are `Given` by.
 
     Attributes
     ----------
@@ -60,6 +88,10 @@ class Element:
         """Return what the scene has to give beside what it gives; empty where nothing is missing."""
         return ""
 
+    def turned(self) -> Self:
+        """Return the element as the rope meets it from the other end."""
+        return self
+
     @property
     def stretching_m(self) -> float:
         """Return the length of rope in it that stretches and is pulled through [m]."""
@@ -75,6 +107,13 @@ class Element:
         return np.asarray(0.5 * self.stretching_m * (known_N + self.tension_N(passage, known_N)))
 
 
+def given_by(element: type[Element]) -> dict[str, Given]:
+    """Return the keys of a kind of element by its fields."""
+    hints = get_type_hints(element, include_extras=True)
+    said = {one.name: getattr(hints[one.name], "__metadata__", ()) for one in fields(element)}
+    return {name: one for name, many in said.items() for one in many if isinstance(one, Given)}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LineProblem(Cases):
     """A rope through elements, n cases side by side; its tension is known at the start or at the end."""
@@ -82,8 +121,10 @@ class LineProblem(Cases):
     friction: WrapFriction | None
     elements: tuple[Element, ...]
     pulled: bool = True
+    both_ends: bool = False
     start_tension_N: ZeroOrMore | None = None
     end_tension_N: ZeroOrMore | None = None
+    pull_N: Positive | None = None
     tension_limit_N: Positive | None = None
     anchorage_slip_m: Positive | None = None
     linear_density_kg_m: Positive | None = None

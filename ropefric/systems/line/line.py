@@ -1,6 +1,7 @@
-"""A rope through all its elements: tensions, elongation, a cycle."""
+"""A rope through all its elements: tensions, elongation, a cycle, the other way round, what a take-up holds."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +11,8 @@ from ropefric.errors import InputError, RopefricError
 from ropefric.systems.checks import refuse
 from ropefric.systems.effect import log_change
 from ropefric.systems.line.element import LineModel, LineProblem, Passage
-from ropefric.systems.line.elements import Drum
-from ropefric.systems.line.tendon import Anchored, anchored
+from ropefric.systems.line.elements.drum import Drum
+from ropefric.systems.line.tendon import Anchored, Stressed, anchored, stressed
 
 _LARGEST_N = 1e30
 
@@ -37,8 +38,12 @@ class LineAnswer(NamedTuple):
         Elongation of the rope in each element; zero where it does not stretch.
     cycle : Cycle or None
         Of a line without drums; NaN where the rope would have to push.
-    anchored : Anchored or None
-        Of a tendon after the slip at its anchorage.
+    other_end : ndarray, shape (k + 1, n), or None
+        Tensions where the rope is pulled through the same elements from the other end, in that order.
+    needed_end_N : ndarray or None
+        Least tension behind the last element with which every drum transmits its given pull.
+    stressed, anchored : Stressed, tuple of Anchored
+        Of a tendon: from both ends; after the slip at the anchorages, that of the start first where both are stressed.
     """
 
     model: LineModel
@@ -46,7 +51,10 @@ class LineAnswer(NamedTuple):
     numbers: tuple[dict[str, FloatArray], ...]
     stretch_m: FloatArray
     cycle: Cycle | None
-    anchored: Anchored | None
+    other_end: FloatArray | None
+    needed_end_N: FloatArray | None
+    stressed: Stressed | None
+    anchored: tuple[Anchored, ...]
 
     @property
     def load_N(self) -> FloatArray | None:
@@ -68,13 +76,17 @@ class LineAnswer(NamedTuple):
         """Return the logarithms of all forces, shape (m, n); NaN of negative ones."""
         found = [*self.tension_N, *(value for one in self.numbers for value in one.values())]
         found += [] if self.cycle is None else [self.cycle.pulled_N, self.cycle.paid_out_N]
+        found += [] if self.other_end is None else [*self.other_end]
+        found += [] if self.needed_end_N is None else [self.needed_end_N]
+        found += [] if self.stressed is None else [self.stressed.least_N]
         return _logs(found, self.model.problem.n)
 
     @property
     def stretch_logs(self) -> FloatArray:
         """Return the logarithms of all numbers that the stretch of the rope makes, shape (m, n)."""
         found = [*self.stretch_m, *(() if self.cycle is None else [self.cycle.lost_stroke_m])]
-        found += [row for part in self.anchored or () for row in part.reshape(-1, part.shape[-1])]
+        tendon = [*(() if self.stressed is None else (self.stressed,)), *self.anchored]
+        found += [row for one in tendon for part in one for row in part.reshape(-1, part.shape[-1])]
         return _logs(found, self.model.problem.n)
 
 
@@ -94,31 +106,66 @@ def distance(answer: LineAnswer, reference: LineAnswer, whole: LineAnswer) -> fl
 def solve_line(model: LineModel) -> LineAnswer:
     """Return the tensions along a line, and what follows from them."""
     problem = model.problem
-    tension_N = _tensions(
-        model, is_pulled=problem.pulled, start_N=problem.start_tension_N, end_N=problem.end_tension_N
-    )
+    start_N, end_N, needed_end_N = problem.start_tension_N, problem.end_tension_N, _needed_end_N(model)
+    if start_N is None and end_N is None and needed_end_N is not None:
+        end_N = needed_end_N
+        refuse(
+            ~np.isfinite(end_N),
+            "no tension lets a drum without friction pull anything",
+            code="RF510",
+            key="mu",
+            fix="give the drum a coefficient",
+        )
+    both = _stressed(model) if problem.both_ends else None
+    if both is None:
+        tension_N = _tensions(model, is_pulled=problem.pulled, start_N=start_N, end_N=end_N)
+    else:
+        tension_N = both.sides_N.max(axis=0)
     passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
     triples = list(zip(problem.elements, tension_N[:-1], tension_N[1:], strict=True))
-    has_drum = any(isinstance(one, Drum) for one in problem.elements)
+    moves_whole = both is None and not any(isinstance(one, Drum) for one in problem.elements)
     return LineAnswer(
         model=model,
         tension_N=tension_N,
         numbers=tuple(one.numbers(passage, before_N, after_N) for one, before_N, after_N in triples),
-        stretch_m=_stretch_m(passage, tension_N),
-        cycle=None if has_drum else _cycle(model, tension_N[0]),
-        anchored=_anchored(model, tension_N),
+        stretch_m=_stretch_m(passage, tension_N, moves=both is None),
+        cycle=_cycle(model, tension_N[0]) if moves_whole else None,
+        other_end=_other_end(model) if moves_whole and problem.pulled and len(triples) > 1 else None,
+        needed_end_N=needed_end_N,
+        stressed=both,
+        anchored=_anchored(model, tension_N, both),
     )
 
 
-def _stretch_m(passage: Passage, tension_N: FloatArray) -> FloatArray:
-    """Return the elongation in each element, shape (k, n); zero where it is not simulated."""
+def _stretch_m(passage: Passage, tension_N: FloatArray, *, moves: bool) -> FloatArray:
+    """Return the elongation in each element, shape (k, n); zero where it is not simulated, or two jacks share it."""
     problem = passage.model.problem
-    if problem.axial_stiffness_N is None or not passage.has("stretch"):
+    if not moves or problem.axial_stiffness_N is None or not passage.has("stretch"):
         return np.zeros((len(problem.elements), problem.n))
     pairs = zip(problem.elements, tension_N[:-1], strict=True)
     return (
         np.stack([one.stretch_N_m(passage, before_N) for one, before_N in pairs]) / problem.axial_stiffness_N
     )
+
+
+def _stressed(model: LineModel) -> Stressed:
+    """Return a tendon with a jack at each end; where one force is given, both have it."""
+    problem = model.problem
+    start_N, end_N = problem.start_tension_N, problem.end_tension_N
+    from_start_N = _tensions(model, is_pulled=False, start_N=end_N if start_N is None else start_N)
+    from_end_N = _tensions(model, is_pulled=True, end_N=start_N if end_N is None else end_N)
+    return stressed(from_start_N, from_end_N, _lengths_m(problem))
+
+
+def _other_end(model: LineModel) -> FloatArray:
+    """Return the tensions where the rope is pulled from the other end, with the same tension known; NaN without any."""
+    problem = model.problem
+    back = replace(problem, elements=tuple(one.turned() for one in reversed(problem.elements)))
+    ends: dict[str, FloatArray | None] = {"start_N": problem.start_tension_N, "end_N": problem.end_tension_N}
+    try:
+        return _tensions(replace(model, problem=back), is_pulled=True, **ends)
+    except RopefricError:
+        return np.full((len(problem.elements) + 1, problem.n), np.nan)
 
 
 def _tensions(
@@ -132,7 +179,7 @@ def _tensions(
             "the tension is known at neither end of the line",
             code="RF121",
             key="start_tension_N",
-            fix='add start_tension = "90 N", or end_tension',
+            fix='add start_tension = "90 N", or end_tension; drums with a share of a pull need neither',
         )
     elements = model.problem.elements
     found = [np.broadcast_to(known_N, (model.problem.n,))]
@@ -177,16 +224,52 @@ def _both_ways(model: LineModel, start_N: FloatArray) -> Cycle:
     return Cycle(*(np.where(pulls, one, np.nan) for one in (*ends_N, lost_m)))
 
 
-def _anchored(model: LineModel, tension_N: FloatArray) -> Anchored | None:
-    """Return the tendon after its jack has let it back."""
+def _needed_end_N(model: LineModel) -> FloatArray | None:
+    """Return the take-up tension that serves all drums whose pull is given: the largest that any of them needs."""
     problem = model.problem
-    slip_m, stiffness_N = problem.anchorage_slip_m, problem.axial_stiffness_N
-    if slip_m is None or stiffness_N is None or "stretch" not in model.effects:
-        return None
-    from_jack = slice(None, None, -1 if problem.pulled else 1)
-    lengths_m = np.array([one.stretching_m for one in problem.elements])
-    found = anchored(tension_N[from_jack], lengths_m[from_jack], slip_m * stiffness_N)
-    return found._replace(tension_N=found.tension_N[from_jack])
+    passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
+    needed = []
+    for place, one in enumerate(problem.elements):
+        if isinstance(one, Drum) and one.is_set:
+            behind_N = one.needed_out_N(passage)
+            held = np.isfinite(behind_N)
+            rest = replace(model, problem=replace(problem, elements=problem.elements[place + 1 :]))
+            end_N = _tensions(rest, is_pulled=problem.pulled, start_N=np.where(held, behind_N, 0.0))[-1]
+            needed.append(np.where(held, end_N, np.inf))
+    return np.max(needed, axis=0) if needed else None
+
+
+def _lengths_m(problem: LineProblem) -> FloatArray:
+    return np.array([one.stretching_m for one in problem.elements])
+
+
+def _anchored(model: LineModel, tension_N: FloatArray, both: Stressed | None) -> tuple[Anchored, ...]:
+    """Return the tendon after its jack, or both, have let it back."""
+    problem = model.problem
+    if (
+        problem.anchorage_slip_m is None
+        or problem.axial_stiffness_N is None
+        or "stretch" not in model.effects
+    ):
+        return ()
+    lengths_m, slip_N_m = _lengths_m(problem), problem.anchorage_slip_m * problem.axial_stiffness_N
+    if both is None:
+        turn = slice(None, None, -1 if problem.pulled else 1)
+        found = anchored(tension_N[turn], lengths_m[turn], slip_N_m)
+        return (found._replace(tension_N=found.tension_N[turn]),)
+    sides = []
+    for side_N, turn in zip(both.sides_N, (slice(None), slice(None, None, -1)), strict=True):
+        found = anchored(side_N[turn], lengths_m[turn], slip_N_m)
+        refuse(
+            found.largest_N < both.least_N,
+            "the slips of both anchorages meet: friction would turn round beyond the least tension",
+            code="RF510",
+            key="anchorage_slip_m",
+            fix="stress this tendon from one end",
+        )
+        after_N = np.where(side_N > found.largest_N, found.tension_N[turn], tension_N)
+        sides.append(found._replace(tension_N=after_N))
+    return tuple(sides)
 
 
 def answerable(problem: LineProblem) -> BoolArray:

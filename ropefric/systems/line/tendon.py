@@ -1,4 +1,4 @@
-"""A tendon that is stressed and anchored, with what slips at the anchorage.
+"""A tendon that is stressed and anchored: from both ends, and with what slips at the anchorage.
 
 A tendon has no weight that counts and a coefficient that is the same everywhere, so that ln T falls in proportion to
 the length within an element. Where its end is let back by the slip w, friction turns round over a length: behind a
@@ -13,6 +13,25 @@ from scipy.special import exprel
 from ropefric.arrays import FloatArray
 from ropefric.systems.checks import refuse
 from ropefric.systems.roots import roots_of_cases
+
+
+class Stressed(NamedTuple):
+    """A tendon as it is stressed from both ends, shape (n,).
+
+    Attributes
+    ----------
+    sides_N : ndarray, shape (2, k + 1, n)
+        Between the elements, from the jack at the start alone and from that at the end; the larger one holds.
+    least_N, least_at_m : ndarray
+        Where the two sides meet, from the start on.
+    elongation_N_m : ndarray, shape (2, n)
+        ∫T dx that the jacks at start and end draw out.
+    """
+
+    sides_N: FloatArray
+    least_N: FloatArray
+    least_at_m: FloatArray
+    elongation_N_m: FloatArray
 
 
 class Anchored(NamedTuple):
@@ -32,6 +51,33 @@ class Anchored(NamedTuple):
     anchor_N: FloatArray
     largest_N: FloatArray
     affected_m: FloatArray
+
+
+def stressed(from_start_N: FloatArray, from_end_N: FloatArray, lengths_m: FloatArray) -> Stressed:
+    """Return the larger of the tensions that the jacks at both ends make, shape (k + 1, n) each."""
+    own, other = np.log(from_start_N), np.log(from_end_N)
+    ahead = own - other
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(ahead[:-1] == ahead[1:], ahead[:-1] > 0.0, ahead[:-1] / (ahead[:-1] - ahead[1:]))
+    shares = np.where(ahead[1:] >= 0.0, 1.0, np.where(ahead[:-1] <= 0.0, 0.0, shares))
+    meets = own[:-1] + shares * np.diff(own, axis=0)
+    drawn = [
+        _integral_N_m(own[:-1], own[1:], shares, lengths_m),
+        _integral_N_m(other[1:], other[:-1], 1.0 - shares, lengths_m),
+    ]
+    least = np.minimum(own[0], np.where(shares > 0.0, meets, np.inf).min(axis=0))
+    # Where one jack outdoes the other everywhere, the far end has the least.
+    least = np.where(shares.any(axis=0), least, other[0])
+    at_m = (shares * lengths_m[:, None]).sum(axis=0)
+    return Stressed(np.stack([from_start_N, from_end_N]), np.exp(least), at_m, np.stack(drawn))
+
+
+def _integral_N_m(
+    logs: FloatArray, next_logs: FloatArray, shares: FloatArray, lengths_m: FloatArray
+) -> FloatArray:
+    """Return ∫T dx over the shares of all elements next to where their tension is large, shape (n,)."""
+    falls = shares * (logs - next_logs)
+    return np.asarray((shares * lengths_m[:, None] * np.exp(logs - falls) * exprel(falls)).sum(axis=0))
 
 
 def anchored(tension_N: FloatArray, lengths_m: FloatArray, slip_N_m: FloatArray) -> Anchored:

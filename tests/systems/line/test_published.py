@@ -92,8 +92,7 @@ STRESSED = {"line": {"start_tension": f"{202.5 * KSI!r} N", "direction": "pay-ou
 
 def take_up(source, value, half, degrees, coefficient):
     """Slack tension that one newton of pull needs, the drive factor of a conveyor."""
-    turned = [drum(degrees, radius="1 m", torque="1 N*m")]
-    return Printed(source, value, half, "elements.0.utilisation", turned, {"end_tension": "1 N"},
+    return Printed(source, value, half, "needed_end_tension_N", [drum(degrees, share=1.0)], {"pull": "1 N"},
                    friction=mu(coefficient))  # fmt: skip
 
 
@@ -113,21 +112,35 @@ PRINTED = [
         for degrees, row in BENDS.items()
         for f, value in zip(COEFFICIENTS, row, strict=True)
     ),
-    *(
-        Printed(f"machinecalcs.com, conduit pull tension: {key}", value, half, key, PULL, **PULLED, unit=unit)
-        for key, value, half, unit in (
-            ("elements.0.tension_out_N", 37.5, 0.05, LB),
-            ("hand_tension_N", 112.6, 0.05, LB),
-            ("elements.1.normal_N_m", 225.0, 0.5, LB / FT),
-        )
+    Printed(
+        "machinecalcs.com, conduit pull tension: before the bends",
+        37.5,
+        0.05,
+        "elements.0.tension_out_N",
+        PULL,
+        **PULLED,
+        unit=LB,
     ),
-    *(
-        Printed(f"gera.services: a duct, {key}", value, 0.5, key, DUCT, **DUCTED, unit=unit)
-        for key, value, unit in (
-            ("elements.0.tension_out_N", 90.0, LB),
-            ("hand_tension_N", 144.0, LB),
-            ("elements.1.normal_N_m", 72.0, LB / FT),
-        )
+    Printed("machinecalcs.com: final pull", 112.6, 0.05, "hand_tension_N", PULL, **PULLED, unit=LB),
+    Printed(
+        "machinecalcs.com: side pressure in lb/ft",
+        225.0,
+        0.5,
+        "elements.1.normal_N_m",
+        PULL,
+        **PULLED,
+        unit=LB / FT,
+    ),
+    Printed("gera.services: straight run", 90.0, 0.5, "elements.0.tension_out_N", DUCT, **DUCTED, unit=LB),
+    Printed("gera.services: behind the bend", 144.0, 0.5, "hand_tension_N", DUCT, **DUCTED, unit=LB),
+    Printed(
+        "gera.services: side pressure in lb/ft",
+        72.0,
+        0.5,
+        "elements.1.normal_N_m",
+        DUCT,
+        **DUCTED,
+        unit=LB / FT,
     ),
     # Its 9.81 m/s2 is 0.034 % more than the standard gravity.
     Printed(
@@ -224,7 +237,7 @@ def test_printed(one):
 def test_an_anchorage_slip_against_the_square_root_of_the_textbooks():
     """The girder's sheet takes the fall of stress for linear: L = sqrt(w E/p), 0.3677 ksi/ft; here it is exponential."""
     known = {name: STRESSED[name] for name in ("line", "rope", "friction")}
-    one = solved(TENDON, **known).to_dict()["anchored"]
+    one = solved(TENDON, **known).to_dict()["anchored"][0]
     assert one["affected_m"] / FT == pytest.approx(48.79, rel=0.035)
     assert one["largest_N"] / KSI == pytest.approx(184.6, rel=0.005)
     assert one["anchor_N"] / KSI == pytest.approx(166.6, rel=0.008)

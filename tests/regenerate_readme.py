@@ -16,12 +16,11 @@ from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
-from ropefric.accuracy.measure import error_table, measure_studies, this_machine
+from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies.picks import PICKERS
 from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import PROBLEMS, planned
-from ropefric.accuracy.study import Measured
 from ropefric.plotting.style import house_style
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.systems.press.transient.integrators import rk4_limit_s
@@ -52,12 +51,6 @@ def cost_block(machine: str) -> str:
         text = sentence()
         parts.append(f"![{STUDIES[study].title}](../data/pictures/cost-{study}.png)\n\n{text}\n")
     return "\n".join([*parts, f"{MACHINE_LINE}{machine}.\n"])
-
-
-def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> Measured:
-    """Return the setting of the least work with an error of at most `accuracy`, the same on every machine."""
-    good = [row for row in error_table(study, case, method=method) if row.error <= accuracy]
-    return min(good, key=lambda row: (row.evaluations, row.error))
 
 
 def _integral() -> str:
@@ -150,7 +143,9 @@ def picks_block() -> str:
     lines = ["| recordings | picker | right | wrong | missed | doubtful | made up | error of 95 % below |",
              "|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for case in STUDIES["picks"].cases:
-        for method, setting, _ in PICKERS:
+        for method, setting, _, quick in PICKERS:
+            if not quick:
+                continue
             rows = error_table("picks", case.name, method=method)
             (row,) = [one for one in rows if one.setting == setting]
             shares = [

@@ -28,6 +28,7 @@ class Outcome:
     bias: float = nan
     noise: float = nan
     shares: Mapping[str, float] = field(default_factory=dict, hash=False)
+    kinds: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 class Setting(NamedTuple):
@@ -80,6 +81,8 @@ class Measured(Outcome):
         """Return the point as plain data, None where there is no number."""
         tree = asdict(self) | {"spread_s": self.spread_s}
         tree |= tree.pop("shares")
+        if not tree["kinds"]:
+            del tree["kinds"]
         return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in tree.items()}
 
 

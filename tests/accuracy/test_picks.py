@@ -1,5 +1,6 @@
 """The benchmark of pickers: each finds a plain break, and the score counts what it says."""
 
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -27,9 +28,10 @@ def test_every_picker_finds_a_plain_break_and_survives_missing_samples_and_nothi
     force_N[100:120] = nan
     with_a_gap = ForceTrace(time_s=plain.time_s, force_N=force_N)
     flat = [ForceTrace(time_s=np.arange(float(n)), force_N=np.zeros(n)) for n in (1, 12, 400)]
-    for method, setting, pick in PICKERS:
-        force_N, in_doubt = pick(plain)
+    for method, setting, pick, _quick in PICKERS:
+        force_N, std_N, in_doubt = pick(plain)
         assert force_N == pytest.approx(100.0, rel=0.01), (method, setting)
+        assert np.isfinite(std_N) == (method == "ropefric")
         assert not in_doubt, (method, setting)
         assert pick(with_a_gap)[0] == pytest.approx(100.0, rel=0.01), (method, setting)
         assert not any(abs(pick(one)[0]) > 1e-6 for one in flat), (method, setting)
@@ -37,16 +39,17 @@ def test_every_picker_finds_a_plain_break_and_survives_missing_samples_and_nothi
 
 def test_the_score_counts_every_outcome_once():
     trace = pull()
-    known = [Known(trace, 100.0)] * 5 + [Known(trace, nan)] * 4
-    picked = [(100.1, False), (101.0, False), (150.0, False), (nan, False),
-              (nan, True), (nan, False), (nan, True), (80.0, False), (nan, False)]  # fmt: skip
+    known = [Known(trace, 100.0, "sharp")] * 5 + [Known(trace, nan, "held")] * 4
+    picked = [(100.1, 0.1, False), (101.0, 0.1, False), (150.0, 0.1, False), (nan, nan, False),
+              (nan, nan, True), (nan, nan, False), (nan, nan, True), (80.0, 0.1, False), (nan, nan, False)]  # fmt: skip
     found = score(picked, known)
     assert dict(found.shares) == {"recordings": 9.0, "right": 0.4, "wrong": 0.2, "missed": 0.2,
-                                  "doubtful": 0.2, "false": 0.25}  # fmt: skip
+                                  "doubtful": 0.2, "false": 0.25, "within_2u": pytest.approx(1 / 3)}  # fmt: skip
+    assert dict(found.kinds) == {"sharp": 0.4, "held": 0.75}
     assert found.bias == pytest.approx(0.0055)
     assert found.noise == pytest.approx(0.009 / np.sqrt(2))
     assert found.error == pytest.approx(np.quantile([0.001, 0.01, 0.5], 0.95))
-    assert score([(nan, False)], [Known(trace, 100.0)]).error == np.inf
+    assert score([(nan, nan, False)], [Known(trace, 100.0)]).error == np.inf
 
 
 def test_where_ropefric_loses_it_says_so():
@@ -59,3 +62,14 @@ def test_where_ropefric_loses_it_says_so():
     winning = (point("ropefric", right=1.0, wrong=0.0, false=0.0),
                point("mean", right=0.9, wrong=0.1, false=1.0))  # fmt: skip
     assert STUDIES["picks"].findings(winning) == ()
+
+
+def test_the_kinds_that_are_not_all_right_are_named_the_worst_first():
+    def said(**kinds):
+        shares = {"right": 1.0, "wrong": 0.0, "false": 0.0}
+        point = Measured(case="lab", method="ropefric", setting="", error=0.1, evaluations=1.0, shares=shares)
+        return STUDIES["picks"].findings((replace(point, kinds=kinds), point))
+
+    assert said(sharp=1.0, held=0.75, knock=0.25) == (
+        "lab: kinds that are not all right: knock (25 % right), held (75 % right); the other 1 are.",)  # fmt: skip
+    assert said(sharp=1.0, held=1.0) == ("lab: all 2 kinds are all right.",)

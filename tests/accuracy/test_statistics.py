@@ -29,6 +29,20 @@ def test_covariance_is_exact_where_the_law_is_linear():
 
 
 @pytest.mark.slow
+def test_the_profile_misses_the_truth_equally_often_on_both_sides_and_the_covariance_does_not():
+    rows = {row.name: row for row in error_table("interval", "coverage")}
+    tails = {name: (row.shares["too_low"], row.shares["too_high"]) for name, row in rows.items()}
+    assert tails["profile"] == pytest.approx((0.025, 0.025))
+    low, high = tails["covariance"]
+    assert low > 0.025 > high, "the upper arm of this law is the longer one"
+    assert rows["covariance"].error == pytest.approx(max(low - 0.025, 0.025 - high))
+    assert tails["monte carlo, n = 10000"] == pytest.approx((low, high), abs=0.011)
+    assert rows["profile"].error == 1 / 200
+    (said,) = STUDIES["interval"].findings(tuple(rows.values()))
+    assert "95.0% (2.5% too low, 2.5% too high) by profile" in said
+
+
+@pytest.mark.slow
 def test_the_window_trades_bias_for_noise_and_the_chosen_one_is_about_as_good_as_the_best():
     """First order: −rate (w − step)/2, so 301 samples cost 300/120 of what 121 cost."""
     best = {}

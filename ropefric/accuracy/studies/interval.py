@@ -1,4 +1,4 @@
-"""The 95 % interval of a fitted coefficient by covariance, profile and draws: its ends.
+"""The 95 % interval of a fitted coefficient by covariance, profile and draws: its ends, and its coverage.
 
 Both laws have one parameter and an exponent per radian that is estimated linearly, so the exact interval is known.
 """
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtri
 
-from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, against, over_seeds, time_text
 from ropefric.arrays import FloatArray
 from ropefric.fitting.intervals import profile_intervals
 from ropefric.fitting.problem import FitProblem
@@ -25,6 +25,7 @@ SIZE_SHARE = 0.25
 WRAPS_RAD = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 LEVEL = 0.95
 N_SEEDS = 12
+N_CAMPAIGNS = 200
 _FACTOR = float(ndtri(0.5 + 0.5 * LEVEL))
 
 _COUNTS = (100, 300, 1000, 3000, 10_000, 30_000)
@@ -118,9 +119,55 @@ def _settings(law: str) -> tuple[Setting, ...]:
     )
 
 
+def _coverage_settings(law: str) -> tuple[Setting, ...]:
+    """Return each kind of interval with the shares of campaigns in which it includes the truth or lies beside it.
+
+    An interval depends on the pulls by the estimate of λ alone, which is normal about the truth. The campaigns have
+    the quantiles of that normal distribution as estimates.
+    """
+    problem, truth, phi = interval_problem(law), _TRUTH[law], np.array(WRAPS_RAD)
+    log_end = problem.conditions.log_end_tension
+    rate = ((problem.law.log_lift([truth], problem.conditions) - log_end) / phi)[0]
+    quantiles = ndtri((np.arange(N_CAMPAIGNS) + 0.5) / N_CAMPAIGNS)
+    rates = rate + _SCATTER[law] / np.sqrt(phi @ phi) * quantiles
+    campaigns = [
+        (FitProblem.plain(problem.law, problem.conditions, log_end + one * phi, _SCATTER[law], mu), mu, seed)
+        for seed, (one, mu) in enumerate(zip(rates, mu_of_exponent(law, rates)[:, np.newaxis], strict=True))
+    ]
+
+    def setting(method: str, name: str, find: Callable[..., FloatArray], work: float) -> Setting:
+        def assess() -> Outcome:
+            low, high = np.array([find(*one) for one in campaigns]).T
+            below, above = float(np.mean(high < truth)), float(np.mean(truth < low))
+            tail = 0.5 * (1.0 - LEVEL)
+            # One campaign more or less is the smallest difference that can be counted.
+            error = max(abs(below - tail), abs(above - tail), 1.0 / N_CAMPAIGNS)
+            shares = {"coverage": 1.0 - below - above, "too_low": below, "too_high": above}
+            return Outcome(error=error, evaluations=work, shares=shares)
+
+        return Setting(method, name, partial(find, *campaigns[N_CAMPAIGNS // 2]), assess)
+
+    n_profile = profile_intervals(*campaigns[N_CAMPAIGNS // 2][:2], level=LEVEL).n_fits
+    return (
+        setting("covariance", "", by_covariance, 1.0),
+        setting("profile", "", by_profile, float(n_profile)),
+        *(setting("monte carlo", f"n = {n}", partial(by_draws, n=n), float(n)) for n in _COUNTS[::2]),
+    )
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    words = [
+        "{coverage:.1%} ({too_low:.1%} too low, {too_high:.1%} too high)".format(**point.shares)
+        + f" by {point.name} in {time_text(point.seconds)}"
+        for point in points
+        if point.shares
+    ]
+    return (f"Coverage of the 95 % intervals: {', '.join(words)}.",) if words else ()
+
+
 STUDY = Study(
     name="interval",
-    title="95 % interval of a fitted coefficient: both its arms",
+    title="95 % interval of a fitted coefficient: both its arms, and its coverage",
     question="When is the covariance enough, and how many draws does an interval need?",
     reference="exact interval, through an exponent per radian that is estimated linearly",
     counted="fits or draws",
@@ -132,5 +179,11 @@ STUDY = Study(
             "law of the thick rope, six pulls with a scatter of 40 %: the upper arm is the longer one",
             partial(_settings, "thickness"),
         ),
+        Case(
+            "coverage",
+            f"the curved case in {N_CAMPAIGNS} campaigns; error: difference of a tail from 2.5 % of them",
+            partial(_coverage_settings, "thickness"),
+        ),
     ),
+    findings=_findings,
 )

@@ -21,13 +21,16 @@ from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
 from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
+from ropefric.systems.beltdrive.effects import SYSTEM as DRIVE
 from ropefric.systems.effect import System, assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM as HOIST
+from ropefric.systems.line.effects import SYSTEM as LINE
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.traction.effects import SYSTEM as TRACTION
 
 N_SWEEP = 8
 """Preloads of the sweep."""
@@ -80,6 +83,14 @@ PROBLEMS: dict[str, tuple[System, Any, str]] = {
         HOIST,
         _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
+    ),
+    "traction": (TRACTION, _bundled("traction").problem, "a lift of 630 kg on its sheave, four load cases"),
+    "belt-drive": (DRIVE, _bundled("belt-drive").problem, "a flat belt between two pulleys at 7.5 kW"),
+    "line": (LINE, _bundled("cable-pull").problem, "a cable through five elements of a conduit"),
+    "press-fixed": (
+        PRESS,
+        _bundled("press-fixed").problem,
+        "a press of 13 rollers, two belts between fixed centres",
     ),
     "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
     "start-up": (PRESS, _START_UP, f"the same press, run up in {RUN_UP_S:g} s; three of its rollers slip"),

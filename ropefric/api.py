@@ -55,7 +55,7 @@ from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.explain import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
-from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
+from ropefric.scenes.sweep import Axis, Sweep, check_table, parse_axis, sweep_scene, write_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
@@ -1026,8 +1026,7 @@ def sweep(
     progress : callable, optional
         Called with points done, points in all, and what they are.
     table : path-like, optional
-        A file ending in .csv or .parquet, written block by block. The result then keeps at most a million points
-        of the grid, spread evenly, so that memory stays flat.
+        A file ending in .csv or .parquet for the table.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Solves the points, with the same result to the last bit.
 
@@ -1058,13 +1057,21 @@ def sweep(
     PATH.check_given(table=table)
     CALL.check_given(progress=progress)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
+    return _tabled(table, lambda: sweep_scene(loaded, grid, progress=progress, executor=executor))
+
+
+_Many = TypeVar("_Many", Sweep, Draws)
+
+
+def _tabled(table: PathLike | None, solve_all: Callable[[], _Many]) -> _Many:
+    """Return the answers to many cases, written as a table where that is asked for."""
     if table is None:
-        return sweep_scene(loaded, grid, progress=progress, executor=executor)
+        return solve_all()
     path = Path(table)
-    with sweep_table(grid, Folder(path.parent), path.name) as written:
-        return sweep_scene(
-            loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS, executor=executor
-        )
+    check_table(path.name)
+    found = solve_all()
+    write_table(Folder(path.parent), path.name, found.table)
+    return found
 
 
 def monte_carlo(
@@ -1087,13 +1094,13 @@ def monte_carlo(
     scene : Scene or path-like
         The scene or its file.
     draws, seed : int
-        How many, 10 to 10 million, and what they begin with: the same draws whatever solves them.
+        How many, 10 to a million, and what they begin with: the same draws whatever solves them.
     level : float
         Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %.
     progress : callable, optional
         Called with draws done, draws in all, and what they are.
     table : path-like, optional
-        A file ending in .csv or .parquet: what was drawn and the answer to it, a row a draw, written block by block.
+        A file ending in .csv or .parquet: what was drawn and the answer to it, a row a draw.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Solves the draws, with the same result to the last bit.
 
@@ -1124,11 +1131,7 @@ def monte_carlo(
     PATH.check_given(table=table)
     CALL.check_given(progress=progress)
     loaded, how = _as_scene(scene), {"seed": seed, "level": level, "progress": progress, "executor": executor}
-    if table is None:
-        return draw_scene(loaded, draws, **how)
-    path = Path(table)
-    with sweep_table((), Folder(path.parent), path.name) as written:
-        return draw_scene(loaded, draws, write=written.add, **how)
+    return _tabled(table, lambda: draw_scene(loaded, draws, **how))
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

@@ -76,6 +76,10 @@ def test_a_result_shows_itself_in_every_form(name):
     frame = result.to_frame()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
+    if name == "scene":
+        with pytest.raises(rf.RopefricError, match="there is no figure of Scene"):
+            result.plot()
+        return
     drawn = result.plot()
     assert isinstance(drawn, Axes)
     assert callable(drawn._repr_png_)

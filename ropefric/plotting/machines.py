@@ -44,7 +44,7 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     name = quantity or next(iter(sweep.columns))
     if name not in sweep.columns:
         raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
-    *outer, across = sweep.kept
+    *outer, across = sweep.axes
     shown = _shown_part(sweep, name)
     label = style.figure_label(name) if name in GLOSSARY else answer_label(name)
     with drawing(9.0, 6.0) as (figure, axes):
@@ -76,16 +76,16 @@ class _Shown(NamedTuple):
 
 def _shown_part(sweep: Sweep, name: str) -> _Shown:
     """Return every n-th point along each axis, so that a page can show them; of few lines all."""
-    *outer, across = kept = sweep.kept
+    *outer, across = sweep.axes
     as_lines = not outer or outer[0].values.size <= _MOST_LINES
     most = _DRAWN_POINTS if as_lines else _DRAWN_CELLS
-    steps = [1 if as_lines and axis is not across else -(-axis.values.size // most) for axis in kept]
+    steps = [1 if as_lines and axis is not across else -(-axis.values.size // most) for axis in sweep.axes]
     part = tuple(slice(None, None, step) for step in steps)
     grid, outside = (
-        sweep.columns[one].reshape([axis.values.size for axis in kept])[part]
+        sweep.columns[one].reshape(sweep.shape)[part]
         for one in (name, EXTRAPOLATED if sweep.extrapolated_at else name)
     )
-    places = tuple(axis.values[one] / axis.factor for axis, one in zip(kept, part, strict=True))
+    places = tuple(axis.values[one] / axis.factor for axis, one in zip(sweep.axes, part, strict=True))
     return _Shown(places, grid, outside if sweep.extrapolated_at else np.zeros(grid.shape), as_lines)
 
 

@@ -375,14 +375,14 @@ def explanation_sections(told: "Explanation") -> list[Section]:
     ]
     if told.is_measured:
         for row, one in zip(rows, plan.decisions, strict=True):
-            row += [_takes(one), "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"]
+            row.append(_takes(one))
         saved = f"the difference is below what the clock resolves here, {_time(told.spread_s)}"
         if abs(told.saved_s) > told.spread_s:
             what = "saves" if told.saved_s > 0.0 else "costs"
             saved = f"which {what} {_time(abs(told.saved_s))} (± {_time(0.5 * told.spread_s)})"
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
         lines.append(f"measured: difference {told.difference:.2g}; {times}; {saved}")
-    headings = ("effect", "used ", "largest influence", "time", "share of time")
+    headings = ("effect", "used ", "largest influence", "time")
     reasons: dict[str, list[str]] = {}
     for one in plan.decisions:
         reasons.setdefault(_why(one), []).append(one.name)
@@ -391,7 +391,7 @@ def explanation_sections(told: "Explanation") -> list[Section]:
         Section(
             f"Effects of this {told.system} scene",
             lines,
-            headings[: 5 if told.is_measured else 3],
+            headings[: 4 if told.is_measured else 3],
             rows,
             2,
             notes,
@@ -440,7 +440,7 @@ def _simulated(found: "Draws | Sweep") -> str:
 def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     """Return the result of draws of a scene's uncertain quantities: mean, standard deviation and quantiles."""
     lines = [
-        f"uncertain inputs: {', '.join(drawn.inputs)}",
+        f"uncertain inputs: {', '.join(drawn.drawn)}",
         _simulated(drawn),
         *(f"{name} left out in {count} draws" for name, count in drawn.left_out.items()),
         *(f"in {100.0 * share:.3g} % of the draws {what}" for what, share in drawn.shares.items()),
@@ -465,13 +465,15 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
     # Numbers of the whole machine before those of its parts.
-    names = sorted(sweep.ranges, key=lambda name: name.count("."))
+    names = sorted(sweep.columns, key=lambda name: name.count("."))
+    # Of those that are numbers.
+    ranges = {name: (np.fmin.reduce(one), np.fmax.reduce(one)) for name, one in sweep.columns.items()}
     # To the last bits, which differ from machine to machine.
-    still = [name for name in names if math.isclose(*sweep.ranges[name], rel_tol=1e-9)]
+    still = [name for name in names if math.isclose(*ranges[name], rel_tol=1e-9)]
     moving = [name for name in names if name not in still]
-    lines = [*_sweep_lines(sweep, [name for name in still if name != EXTRAPOLATED])]
+    lines = [*_sweep_lines(sweep, {name: ranges[name] for name in still if name != EXTRAPOLATED})]
     if total > _SHOWN_POINTS:
-        ends = [_in_its_unit(name, sweep.ranges[name]) for name in moving]
+        ends = [_in_its_unit(name, ranges[name]) for name in moving]
         rows = [(label, *cells) for label, cells in ends]
         return [Section(title, lines, ("quantity", "lowest", "highest"), rows, notes=sweep.warnings)]
     columns = _columns_of_points(sweep, moving)
@@ -491,14 +493,14 @@ def _columns_of_points(sweep: "Sweep", moving: Sequence[str]) -> list[tuple[str,
     return [*swept, *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving)]
 
 
-def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:
+def _sweep_lines(sweep: "Sweep", still: Mapping[str, tuple[float, float]]) -> Iterator[str]:
     """Yield the simulated effects of a sweep, its points without an answer, and the numbers that do not change."""
     yield _simulated(sweep)
     yield from (f"{name} left out at {count} points" for name, count in sweep.left_out.items())
     if sweep.failed:
         yield f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}"
     if still:
-        shown = [_in_its_unit(name, sweep.ranges[name]) for name in still[:_NAMED]]
+        shown = [_in_its_unit(name, still[name]) for name in [*still][:_NAMED]]
         same = "; ".join(f"{label} = {cells[0]}" for label, cells in shown)
         more = f"; and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
         yield f"the same at every point: {same}{more}"

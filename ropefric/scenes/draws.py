@@ -5,7 +5,6 @@ is a limit of error, so any value within it is as likely. A draw depends on the 
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -17,15 +16,13 @@ from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite, value_at
 from ropefric.scenes.plan import solve_planned
-from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
+from ropefric.scenes.points import BLOCK, Answers, Points, Progress, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 
-MOST_DRAWS = 10_000_000
+MOST_DRAWS = 1_000_000
 FEWEST_DRAWS = 10
-KEPT_DRAWS = 200_000
-"""Whose numbers are held, for their statistics."""
 _OWN_PARAMETERS = "friction.parameters."
 
 
@@ -77,9 +74,11 @@ class _Draws(Points):
             found.append(theta)
         return found
 
-    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
+    def drawn(self) -> dict[str, FloatArray]:
         """Return what was drawn, in the units of the scene."""
-        values = self.at(places)
+        places = np.arange(self.shape[0])
+        blocks = [self.at(places[start : start + BLOCK]) for start in range(0, places.size, BLOCK)]
+        values = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
         found = [one / axis.factor for axis, one in zip(self.axes, values, strict=False)]
         found += list(values[-1].T) if self.friction else []
         return dict(zip(self.columns, found, strict=True))
@@ -157,13 +156,13 @@ class Draws(Answers):
     level : float
         Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %, beside the median.
     numbers : mapping of str to Drawn
-        Of each number of the answer: its value as the scene has it, and mean, standard deviation and quantiles of at
-        most 200 000 draws, spread evenly.
-    inputs : tuple of str
-        What was drawn, as the table names it.
+        Of each number of the answer: its value as the scene has it, and mean, standard deviation and quantiles of the
+        draws.
+    drawn : mapping of str to ndarray
+        What was drawn, in the units of the scene.
     columns : mapping of str to ndarray
-        The numbers of these draws, NaN where a draw has no answer.
-    failed, first_failure, simulated, error_bound, accuracy, failures, left_out, extrapolated_at, steps, ranges
+        The numbers of the draws, NaN where a draw has no answer.
+    failed, first_failure, simulated, error_bound, accuracy, failures, left_out, extrapolated_at
         As of a `Sweep`.
     doubts : tuple of str
         What speaks against the friction.
@@ -177,8 +176,13 @@ class Draws(Answers):
     seed: int
     level: float
     numbers: dict[str, Drawn]
-    inputs: tuple[str, ...]
+    drawn: dict[str, FloatArray]
     doubts: tuple[str, ...] = field(default=())
+
+    @property
+    def table(self) -> dict[str, FloatArray]:
+        """Return the table, one row a draw: what was drawn, and the numbers."""
+        return self.drawn | self.columns
 
     @property
     def answered(self) -> int:
@@ -219,7 +223,7 @@ class Draws(Answers):
             "system": self.system,
             "draws": self.count,
             **{name: getattr(self, name) for name in ("seed", "level", "answered", "first_failure")},
-            "drawn": list(self.inputs),
+            "drawn": list(self.drawn),
             "quantiles_percent": [round(tail, 9), 50.0, round(100.0 - tail, 9)],
             "quantities": numbers,
             "failures": failures,
@@ -238,13 +242,9 @@ def draw_scene(
     seed: int = 0,
     level: float = 0.95,
     progress: Progress | None = None,
-    write: Write | None = None,
     executor: Any = None,
 ) -> Draws:
-    """Return what a scene answers to draws of what it is not sure of, planned once.
-
-    They are solved block by block, here or by an executor, and each is handed on to be written: memory stays flat.
-    """
+    """Return what a scene answers to draws of what it is not sure of, planned once, solved here or by an executor."""
     check_level(level)
     if not FEWEST_DRAWS <= count <= MOST_DRAWS or seed < 0:
         raise InputError(
@@ -256,8 +256,7 @@ def draw_scene(
     with placed(scene.document):
         answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
-        how: dict[str, Any] = {"progress": progress, "write": write, "executor": executor}
-        found = solve_points(scene, points, keep=KEPT_DRAWS, **how)
+        found = solve_points(scene, points, progress=progress, executor=executor)
     values = {one.name: float(one.value[0]) for one in as_given}
     at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
     numbers = {}
@@ -276,4 +275,4 @@ def draw_scene(
         numbers[name] = Drawn(values.get(name, math.nan), mean, std, ends)
     asked: dict[str, Any] = {"system": kind.name, "count": count, "seed": seed, "level": level}
     doubts = () if scene.source is None else scene.source.warnings
-    return Draws(numbers=numbers, inputs=points.columns, doubts=doubts, **asked, **found)
+    return Draws(numbers=numbers, drawn=points.drawn(), doubts=doubts, **asked, **found)

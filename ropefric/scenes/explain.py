@@ -74,7 +74,7 @@ class Explanation(Shown):
         """Return the explanation as a JSON tree; unknown values are null."""
         measured = {name: getattr(self, name) for name in ("planned_s", "saved_s", "spread_s", "difference")}
         measured["all_effects_s"] = self.all_s
-        numbers = ("bound", "worth", "time_share", "time_s", "time_spread_s")
+        numbers = ("bound", "worth", "time_s", "time_spread_s")
         return {
             "system": self.system,
             "accuracy": self.plan.accuracy,
@@ -154,15 +154,14 @@ def _timed(scene: Scene, explained: Explanation, clock: Callable[[], float]) -> 
         },
         clock,
     )
-    own_s, decisions = float(np.median(times_s[""])), []
+    decisions = []
     for one in plan.decisions:
         if one.name in weighed:
             is_in = one.fate == "simulated"
             apart_s = (times_s[""] - times_s[one.name]) * (1.0 if is_in else -1.0)
             spread_s, time_s = _spread(apart_s), float(np.median(apart_s))
             time_s = time_s if time_s > spread_s else math.nan
-            share = time_s / own_s if is_in else math.nan
-            one = one._replace(time_s=time_s, time_share=share, time_spread_s=spread_s)  # noqa: PLW2901
+            one = one._replace(time_s=time_s, time_spread_s=spread_s)  # noqa: PLW2901
         decisions.append(one)
     return replace(
         explained,

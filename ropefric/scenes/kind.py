@@ -221,7 +221,7 @@ def _gives(table: BaseModel, key: str) -> bool:
     return value is not None and value is not False
 
 
-def _advice(schema: type[BaseModel], key: str) -> str:
+def how_to_add(schema: type[BaseModel], key: str) -> str:
     """Return how a key is added, with its example where it is a quantity."""
     owner, _, name = key.rpartition(".")
     for part in owner.split(".") if owner else ():
@@ -239,7 +239,7 @@ def one_of(*keys: str, fix: str = "") -> Rule:
     def check(table: BaseModel) -> None:
         given = [key for key in keys if _gives(table, key)]
         if not given:
-            advice = fix or " or ".join(_advice(type(table), key) for key in keys)
+            advice = fix or " or ".join(how_to_add(type(table), key) for key in keys)
             reject("RF121", f"none of {', '.join(keys)} is given", fix=advice)
         if len(given) > 1:
             reject("RF111", f"{' and '.join(given)} are both given", fix="keep one of them", key=given[-1])
@@ -253,7 +253,7 @@ def needs(key: str, *others: str) -> Rule:
     def check(table: BaseModel) -> None:
         for other in others if _gives(table, key) else ():
             if not _gives(table, other):
-                reject("RF121", f"{key} needs {other}", fix=_advice(type(table), other), key=key)
+                reject("RF121", f"{key} needs {other}", fix=how_to_add(type(table), other), key=key)
 
     return check
 

@@ -32,7 +32,6 @@ class Decision(NamedTuple):
     adds: str = ""
     instead: str = ""
     worth: float = math.nan
-    time_share: float = math.nan
     time_s: float = math.nan
     time_spread_s: float = math.nan
 

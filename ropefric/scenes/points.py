@@ -1,15 +1,14 @@
 """Many cases of one scene, planned once for some of them and solved block by block: a grid, or draws.
 
 What the cases are is said by a `Points`; each is a list of values, one array for each of its axes. They are solved in
-one call where the system allows it, one by one elsewhere, here or by an executor, with memory that stays flat.
+one call where the system allows it, one by one elsewhere, here or by an executor.
 """
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import chain, islice
 from math import prod
 from typing import Any, NamedTuple, Protocol
 
@@ -35,8 +34,6 @@ _LOOKED_AT = 61
 """Cases, evenly spaced among all, at which it is asked whether leaving effects out saves time."""
 
 Progress = Callable[[int, int, str], None]
-Write = Callable[[Mapping[str, FloatArray], int], None]
-"""Takes the numbers of the next points, and how many these are."""
 
 
 class Points(Protocol):
@@ -66,10 +63,6 @@ class Points(Protocol):
         """Return the values of all keys at places in SI, and last the parameters if they differ, (n, p)."""
         ...
 
-    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:  # noqa: ARG002  (of the draws)
-        """Return what a table has before the numbers of the answer, where it does not know it from its axes."""
-        return {}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Answers(Shown):
@@ -84,8 +77,6 @@ class Answers(Shown):
     failures: dict[str, int] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
     extrapolated_at: dict[str, int] = field(default_factory=dict)
-    steps: tuple[int, ...] = ()
-    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def keeps_accuracy(self) -> bool:
@@ -105,20 +96,12 @@ class Answers(Shown):
         return tuple(found)
 
 
-def solve_points(
-    scene: Scene, points: Points, *, progress: Progress | None, write: Write | None, keep: int, executor: Any
-) -> dict[str, Any]:
-    """Return the fields of `Answers` to many cases; of their numbers at most some `keep` of each are kept."""
-    total, kept = prod(points.shape), _Kept(points.shape, keep)
-    run, tally = _Run(scene, points), _Tally()
-    outcomes = run.spread(progress, executor)
-    for start in range(0, total, BLOCK):
-        stop = min(start + BLOCK, total)
-        some = chain.from_iterable(islice(outcomes, len(run.pieces(start, stop))))
-        block = tally.numbers_of(some, start, stop)
-        kept.add(block, start, stop)
-        if write is not None:
-            write({**points.drawn(np.arange(start, stop)), **block} if block else {}, stop - start)
+def solve_points(scene: Scene, points: Points, *, progress: Progress | None, executor: Any) -> dict[str, Any]:
+    """Return the fields of `Answers` to many cases."""
+    total = prod(points.shape)
+    tally = _Tally(total)
+    for found in _Run(scene, points).spread(progress, executor):
+        tally.add(found)
     if tally.failed == total:
         raise InputError(
             f"no {points.what} has an answer; the first says: {tally.first_failure}",
@@ -126,36 +109,35 @@ def solve_points(
             key=points.option,
             fix=points.fix,
         )
-    return {"columns": kept.columns, "steps": kept.steps, "ranges": kept.ranges} | tally.fields(scene)
+    return tally.fields(scene)
 
 
 class _Tally:
-    """Failures, effects, largest error and extrapolations, counted over all blocks of points."""
+    """The numbers of all points, and their failures, effects, largest error and extrapolations."""
 
-    def __init__(self) -> None:
+    def __init__(self, total: int) -> None:
+        self.columns: dict[str, FloatArray] = defaultdict(lambda: np.full(total, np.nan))
         self.failed, self.first_failure, self.error_bound = 0, "", 0.0
         self.simulated, self.failures, self.left_out = set[str](), Counter[str](), Counter[str]()
         self.outside = np.zeros(len(REGRESSORS), dtype=np.int64)
 
-    def numbers_of(self, outcomes: "Iterable[Outcome]", start: int, stop: int) -> dict[str, FloatArray]:
-        """Return the numbers of the points of a block by name, NaN where there is no answer, and count the rest."""
-        block: dict[str, FloatArray] = defaultdict(lambda: np.full(stop - start, np.nan))
+    def add(self, outcomes: "Iterable[Outcome]") -> None:
+        """Take the numbers of some points, NaN where there is no answer, and count the rest."""
         for places, found in outcomes:
             if isinstance(found, RopefricError):
                 self.failed += places.size
                 self.first_failure = self.first_failure or found.problem.message
                 continue
             for quantity in found.quantities:
-                block[quantity.name][places - start] = quantity.value
+                self.columns[quantity.name][places] = quantity.value
             if found.outside is not None:
-                block[EXTRAPOLATED][places - start] = found.outside.any(axis=1)
+                self.columns[EXTRAPOLATED][places] = found.outside.any(axis=1)
                 self.outside += found.outside.sum(axis=0)
             self.simulated |= found.simulated
             self.error_bound = max(self.error_bound, found.error_bound)
             self.left_out.update(dict.fromkeys(found.left_out, places.size))
             for way in found.failures:
                 self.failures[way.words] += int(way.fails.sum())
-        return block
 
     def fields(self, scene: Scene) -> dict[str, Any]:
         """Return what was counted, as fields of `Answers`."""
@@ -163,6 +145,7 @@ class _Tally:
         names = [what for what, _, _ in REGRESSORS.values()]
         outside = dict(zip(names, self.outside.tolist(), strict=True))
         return {
+            "columns": dict(self.columns),
             "failed": self.failed,
             "first_failure": self.first_failure,
             "simulated": tuple(name for name in every if name in self.simulated),
@@ -172,31 +155,6 @@ class _Tally:
             "extrapolated_at": {what: n for what, n in outside.items() if n},
             "left_out": {name: self.left_out[name] for name in every if self.left_out[name]},
         }
-
-
-class _Kept:
-    """The kept numbers: those of points spread evenly over the axes, and the range of all."""
-
-    def __init__(self, shape: tuple[int, ...], most: int) -> None:
-        steps = np.ones(len(shape), dtype=np.int64)
-        while prod(-(-np.array(shape) // steps)) > most:
-            steps[np.argmax(shape // steps)] *= 2
-        self.steps: tuple[int, ...] = () if (steps == 1).all() else tuple(steps.tolist())
-        kept = np.ix_(*(np.arange(0, size, step) for size, step in zip(shape, steps, strict=True)))
-        self._places = np.ravel_multi_index(kept, shape).ravel()
-        self.columns: dict[str, FloatArray] = {}
-        self.ranges: dict[str, tuple[float, float]] = {}
-
-    def add(self, block: Mapping[str, FloatArray], start: int, stop: int) -> None:
-        """Take the numbers of points that follow each other."""
-        first, end = np.searchsorted(self._places, (start, stop))
-        for name, values in block.items():
-            if name not in self.columns:
-                self.columns[name] = np.full(self._places.size, np.nan)
-            self.columns[name][first:end] = values[self._places[first:end] - start]
-            low, high = self.ranges.get(name, (math.nan, math.nan))
-            lowest, highest = np.fmin.reduce(values), np.fmax.reduce(values)  # of those that are numbers
-            self.ranges[name] = float(np.fmin(low, lowest)), float(np.fmax(high, highest))
 
 
 class _Found(NamedTuple):

@@ -1,14 +1,13 @@
-"""A scene solved over a grid of its own numbers, and the table that is written while it is: CSV, or Parquet.
+"""A scene solved over a grid of its own numbers, and its table: CSV, or Parquet.
 
-An axis is a key of the scene and the values it is to take. There may be millions of points, so they are solved block by
+An axis is a key of the scene and the values it is to take. There may be a million points, so they are solved block by
 block, planned once.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from math import prod
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -19,13 +18,11 @@ from ropefric.files.plain_text import arrow, csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import value_at
-from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
+from ropefric.scenes.points import BLOCK, Answers, Points, Progress, solve_points
 from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of
 
-MOST_POINTS = 10_000_000
-"""Of an axis, and of a whole grid: some 2.5 GB."""
-KEPT_POINTS = 1_000_000
-"""Of a sweep whose table is written, for its figure."""
+MOST_POINTS = 1_000_000
+"""Of an axis, and of a whole grid: some 200 MB."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -142,18 +139,22 @@ class Sweep(Answers):
     extrapolated_at : mapping of str to int
         Number of points at which a regressor of the law is outside the tested range; with a fit, the column
         `extrapolated` is 1 there and 0 elsewhere.
-    steps : tuple of int
-        `columns` has values of each axis at these steps; all where it is empty.
-    ranges : mapping of str to tuple of float
-        The least and the largest of each number over all points.
     """
 
     _said = ("shape", "simulated", "error_bound", "failed", "warnings")
     _framed = "_all_columns"
 
     def _all_columns(self) -> dict[str, FloatArray]:
-        grid = np.meshgrid(*(axis.values for axis in self.kept), indexing="ij")
-        return {axis.key: each.ravel() for axis, each in zip(self.kept, grid, strict=True)} | self.columns
+        return {axis.key: each for axis, each in zip(self.axes, self._grid(), strict=True)} | self.columns
+
+    def _grid(self) -> list[FloatArray]:
+        return [one.ravel() for one in np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")]
+
+    @property
+    def table(self) -> dict[str, FloatArray]:
+        """Return the table, one row a point: swept values in the unit in which they were asked for, and the numbers."""
+        pairs = zip(self.axes, self._grid(), strict=True)
+        return {axis.label: each / axis.factor for axis, each in pairs} | self.columns
 
     axes: tuple[Axis, ...]
 
@@ -167,29 +168,15 @@ class Sweep(Answers):
         """Return the lengths of the axes."""
         return tuple(axis.values.size for axis in self.axes)
 
-    @property
-    def kept(self) -> tuple[Axis, ...]:
-        """Return the grid of `columns`."""
-        steps = self.steps or (1,) * len(self.axes)
-        return tuple(
-            replace(axis, values=axis.values[::step]) for axis, step in zip(self.axes, steps, strict=True)
-        )
-
 
 def sweep_scene(
     scene: Scene,
     axes: tuple[Axis, ...],
     *,
     progress: Progress | None = None,
-    write: Write | None = None,
-    keep: int = MOST_POINTS,
     executor: Any = None,
 ) -> Sweep:
-    """Return the numbers of a scene's answer over the grid of all axes.
-
-    They are solved block by block, here or by an executor, so that memory stays flat: each is handed on to be written,
-    and in the result are at most some `keep` points, spread evenly.
-    """
+    """Return the numbers of a scene's answer over the grid of all axes, solved here or by an executor."""
     grid = _Grid(axes)
     if not axes or len(set(grid.keys)) < len(axes):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
@@ -200,84 +187,38 @@ def sweep_scene(
             key="--sweep",
             fix="use fewer values of each key",
         )
-    found = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
+    found = solve_points(scene, grid, progress=progress, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
     return Sweep(axes=axes, **found)
 
 
-class SweepTable:
-    """A sweep's table while it is written, one row a point, the last axis fastest: CSV, or Parquet by its name.
-
-    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells. Of draws,
-    which have no axes, the columns hold what was drawn, too.
-    """
-
-    def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
-        self._axes, self._stream, self._names = axes, stream, tuple[str, ...]()
-        self._written = self._waiting = 0
-        self._parquet: Any = arrow("--table") if parquet else None
-        self._writer: Any = None
-
-    def add(self, columns: Mapping[str, FloatArray], count: int) -> None:
-        """Write the next points; those before the first that has an answer wait for the names of its numbers."""
-        self._waiting += count
-        if not columns:
-            return
-        if not self._names:
-            self._names = tuple(columns)
-            if self._parquet is None:
-                self._stream.write(csv_text([map(csv_cell, self._header(columns))]).encode())
-        self._write_empty(self._waiting - count)
-        self._write(np.stack([columns[name] for name in self._names], axis=-1))
-
-    def _header(self, names: Iterable[str]) -> list[str]:
-        return [*(axis.label for axis in self._axes), *names]
-
-    def _write_empty(self, count: int) -> None:
-        for start in range(0, count, BLOCK):
-            self._write(np.full((min(BLOCK, count - start), len(self._names)), np.nan))
-
-    def _write(self, values: FloatArray) -> None:
-        places = np.arange(self._written, self._written + len(values))
-        self._written, self._waiting = self._written + len(values), self._waiting - len(values)
-        shape = [axis.values.size for axis in self._axes]
-        grid = np.unravel_index(places, shape) if shape else ()
-        swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
-        if self._parquet is None:
-            row = "%.10g," * len(swept) + ",".join(["%.9g"] * len(self._names))
-            self._stream.write(_rows(row, np.column_stack([*swept, values])).encode())
-            return
-        pyarrow, parquet = self._parquet
-        arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
-        group = pyarrow.table(arrays, names=self._header(self._names))
-        if self._writer is None:
-            self._writer = parquet.ParquetWriter(self._stream, group.schema)
-        self._writer.write_table(group)
-
-    def close(self) -> None:
-        """End the table."""
-        if self._names:
-            self._write_empty(self._waiting)
-        if self._writer is not None:
-            self._writer.close()
+def check_table(name: str) -> None:
+    """Refuse, before the work, a table that cannot be written."""
+    if name.endswith(".parquet"):
+        arrow("--table")
 
 
-@contextmanager
-def sweep_table(axes: tuple[Axis, ...], folder: Folder, name: str) -> Iterator[SweepTable]:
-    """Yield the table of a sweep to be written into a folder; one that is broken off leaves no file."""
+def write_table(folder: Folder, name: str, columns: Mapping[str, FloatArray]) -> None:
+    """Write columns of one length into a folder, a row a point: CSV, or Parquet by the file's name."""
     with folder.stream(name) as stream:
-        table = SweepTable(axes, stream, parquet=name.endswith(".parquet"))
-        yield table
-        table.close()
+        if name.endswith(".parquet"):
+            pyarrow, parquet = arrow("--table")
+            arrays = [pyarrow.array(column, from_pandas=True) for column in columns.values()]
+            parquet.write_table(pyarrow.table(arrays, names=list(columns)), stream)
+            return
+        stream.write(csv_text([map(csv_cell, columns)]).encode())
+        values = np.stack(list(columns.values()), axis=-1)
+        for start in range(0, len(values), BLOCK):
+            stream.write(_rows(values[start : start + BLOCK]).encode())
 
 
 def columns_text(columns: Mapping[str, FloatArray]) -> str:
     """Return columns of one length as CSV."""
-    values = np.stack(list(columns.values()), axis=-1)
-    return csv_text([map(csv_cell, columns)]) + _rows(",".join(["%.9g"] * len(columns)), values)
+    return csv_text([map(csv_cell, columns)]) + _rows(np.stack(list(columns.values()), axis=-1))
 
 
-def _rows(row: str, values: FloatArray) -> str:
-    """Return rows of numbers, each by the same template; an empty cell where there is no number."""
+def _rows(values: FloatArray) -> str:
+    """Return rows of numbers; an empty cell where there is no number."""
+    row = ",".join(["%.9g"] * values.shape[1])
     text: str = f"{row}\n" * len(values) % tuple(values.ravel().tolist())
     return text.replace("nan", "") if np.isnan(values).any() else text

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from ropefric.accuracy.studies import blade_modes, end_tension, fit, integral, interval
+from ropefric.accuracy.studies import blade_modes, integral, interval
 from ropefric.friction.laws import LAWS
 
 HALF_A_UNIT = 1.2e-16
@@ -38,52 +38,6 @@ def test_integrals():
                                    (integral.SHORT_WRAP, 10.0, 1e-6, -0.5),
                                    *((value, p, delta, -0.5) for value, (p, delta) in many)):  # fmt: skip
         assert agrees(stored, quadrature(start, wrap, b)), (start, wrap, b)
-
-
-def test_starts_of_the_power_law():
-    a, c = mp.mpf(end_tension.A), mp.mpf(end_tension.C)
-    for b, starts in end_tension.POWER.items():
-        s = mp.mpf(b) + 1
-        for stored, y in zip(starts, end_tension.LOG_TENSION, strict=True):
-            u, target = mp.mpf(stored), mp.mpf(y)
-
-            def surplus(v, s=s, target=target):
-                return a / s * mp.exp(s * v) + c * mp.exp(v) - target
-
-            # The root lies within a unit in the last place of what is stored.
-            width = mp.mpf(np.spacing(max(abs(stored), 1e-16)))
-            assert surplus(u - width) < 0 < surplus(u + width), (b, y)
-
-
-def test_starts_of_the_exponential_law():
-    a, b, c = (mp.mpf(value) for value in (end_tension.A_EXP, end_tension.B_EXP, end_tension.C_EXP))
-    for stored, y in zip(end_tension.EXPONENTIAL, end_tension.LOG_TENSION, strict=True):
-
-        def surplus(u, y=y):
-            phi = mp.exp(u)
-            return a * mp.expm1(b * phi) / b + c * phi - mp.mpf(y)
-
-        width = mp.mpf(np.spacing(abs(stored)))
-        assert surplus(mp.mpf(stored) - width) < 0 < surplus(mp.mpf(stored) + width)
-
-
-@pytest.mark.parametrize("case", list(fit.BEST))
-def test_minimisers(case):
-    """Gauss-Newton on ln F_A/F_B = a φ^(b+1)/(b+1) + c φ, with slopes by hand, until nothing moves any more."""
-    problem = fit.fitting_problem(case)
-    wraps = [mp.mpf(float(value)) for value in problem.conditions.wrap_angle_rad]
-    rises = [mp.mpf(float(value)) - mp.log(20) for value in problem.log_lift]
-    theta = mp.matrix([mp.mpf(value) for value in fit.TRUTH])
-    for _ in range(40):
-        a, s, c = theta[0], theta[1] + 1, theta[2]
-        slopes = mp.matrix([[p**s / s, a * p**s / s * (mp.log(p) - 1 / s), p] for p in wraps])
-        residuals = mp.matrix([a * p**s / s + c * p - rise for p, rise in zip(wraps, rises, strict=True)])
-        step = mp.lu_solve(slopes.T * slopes, -(slopes.T * residuals))
-        theta += step
-        if mp.norm(step) < mp.mpf(10) ** -40:
-            break
-    assert mp.norm(slopes.T * residuals) < mp.mpf(10) ** -38
-    assert all(agrees(stored, exact) for stored, exact in zip(fit.BEST[case], theta, strict=True))
 
 
 def test_frequencies_are_those_the_field_prints():

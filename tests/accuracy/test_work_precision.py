@@ -128,16 +128,6 @@ def test_a_busy_machine_is_told(result):
     assert "33 % of the times spread" in cost_sections([busy], MACHINE)[1].notes[-1]
 
 
-def test_the_sentence_on_the_textbooks_formula_follows_the_measurement():
-    def said(textbook_error):
-        points = (point("regular", "closed form, textbook", textbook_error, 1e-6),
-                  point("regular", "closed form", 1e-16, 1e-4))  # fmt: skip
-        return STUDIES["integral"].findings(points)
-
-    assert "off by 1e-03 in regular" in said(1e-3)[0]
-    assert said(1e-15) == ()
-
-
 def test_the_largest_step_of_runge_kutta_is_told_of_the_belts_that_were_measured():
     found = STUDIES["press-transient"].findings
     (sentence,) = found((point("stiff", "rk4", 1e-6, 0.2, "step 0.5 ms"),))

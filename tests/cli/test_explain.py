@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
-KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share",
+KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth",
     "time_s", "time_spread_s"}  # fmt: skip
 EFFECTS = {"climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal",
     "bending-stiffness"], "fast-belt-press": ["gravity-load", "squeeze-load", "belt-inertia",

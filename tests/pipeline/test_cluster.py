@@ -1,6 +1,5 @@
 """A real cluster of two worker processes: the same bytes as one process, though a worker dies in the middle."""
 
-import io
 import os
 import runpy
 import signal
@@ -21,7 +20,7 @@ import ropefric as rf
 from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.executors import cluster
-from ropefric.scenes.sweep import SweepTable, parse_axis, sweep_scene
+from ropefric.scenes.sweep import columns_text, parse_axis, sweep_scene
 from ropefric.trials import extract as extracting
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.result import write_tables
@@ -102,15 +101,11 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
     axes = tuple(parse_axis(scene, text) for text in SWEEPS[name][1])
 
     def swept(executor):
-        stream, seen = io.BytesIO(), []
-        table = SweepTable(axes, stream)
-        found = sweep_scene(
-            scene, axes, write=table.add, progress=lambda *told: seen.append(told), executor=executor
-        )
-        table.close()
+        seen = []
+        found = sweep_scene(scene, axes, progress=lambda *told: seen.append(told), executor=executor)
         names = [one.name for one in fields(found) if one.name not in {"axes", "columns"}]
         rest = [getattr(found, name) for name in names]
-        return stream.getvalue(), seen, repr(rest), repr(found.columns)
+        return columns_text(found.table), seen, repr(rest)
 
     assert swept(None) == swept(client)
 

@@ -4,7 +4,6 @@ answer is that of the scene with the numbers drawn."""
 import csv
 import math
 import pickle
-import tracemalloc
 from concurrent.futures import Future
 from dataclasses import replace
 
@@ -14,7 +13,6 @@ from scipy.special import stdtr
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.files.folder import Folder
 from ropefric.files.toml import TomlDocument
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import CommonError
@@ -24,7 +22,6 @@ from ropefric.scenes.draws import _Draws, draw_scene
 from ropefric.scenes.points import _Run
 from ropefric.scenes.scene import read_scene, replaced
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import sweep_table
 from ropefric.systems.beltdrive.drive import solve_drive
 from ropefric.systems.friction import ScaleTo, WrapFriction
 from ropefric.uncertainty.budget import directions
@@ -113,9 +110,8 @@ def test_each_draw_is_the_scene_with_what_was_drawn(loaded, scene_of, name, tole
     """All draws are one call; friction that differs between them is that of each alone, wherever a rope slides."""
     tree = loaded(name).document.data | {"effects": "all"}
     tree |= {"friction": friction} if friction else {}
-    written, names = [], []
-    draw_scene(replace(scene_of(**tree), tolerances=tolerances), 10, write=lambda one, _: written.append(one))
-    (columns,) = written
+    names = []
+    columns = draw_scene(replace(scene_of(**tree), tolerances=tolerances), 10).table
     for i in range(3):
         data, theta = tree, []
         for column, values in columns.items():
@@ -166,23 +162,16 @@ def test_draws_are_planned_once_and_keep_the_promise(hoist_of, payload):
     """A stiffness that is worth little goes; no number differs by more than wanted, and no draw lifts or not."""
     changes = {"accuracy": 0.02, "rope": STIFF, "load": {"end_tension": "80 N", "payload": payload},
                "tolerances": {"wheel": {"wrap": "20 deg"}, "load": {"end_tension": "10 %"}}}  # fmt: skip
-    kept = []
-    for effects in ("auto", "all"):
-        written = []
-        found = draw_scene(
-            hoist_of(effects=effects, **changes), N, write=lambda one, _, into=written: into.append(one)
-        )
-        kept.append((found, written[0]))
-    (planned, columns), (whole, wanted) = kept
+    planned, whole = (draw_scene(hoist_of(effects=effects, **changes), N) for effects in ("auto", "all"))
     assert planned.failures == whole.failures
     if payload == "33 kg":  # whether it lifts, and by how many newtons, hangs on everything
         assert 0.1 < planned.shares["the hoist does not lift its payload"] < 0.9
     else:
         assert planned.left_out["bending-stiffness"] > 0.9 * N
         assert 1e-3 < planned.error_bound <= 0.02
-    for name, values in wanted.items():
+    for name, values in whole.table.items():
         limit = 0.02 if name == "margin_N" else planned.error_bound
-        np.testing.assert_allclose(columns[name], values, rtol=limit)
+        np.testing.assert_allclose(planned.table[name], values, rtol=limit)
 
 
 def test_draws_of_enormous_forces_have_no_deviation_and_end_in_no_crash(hoist_of):
@@ -281,7 +270,7 @@ def test_nothing_uncertain_and_too_few_or_many_draws_are_refused(hoist_of):
         draw_scene(unknown, 100)
 
 
-# --- reproducible, streamed ---
+# --- reproducible ---
 
 
 class Elsewhere:
@@ -333,22 +322,6 @@ def test_the_table_has_what_was_drawn_and_the_answer_to_it(hoist_of, tmp_path, b
     assert found.numbers["lift_force_N"].std == pytest.approx(cells[:, 2].std(ddof=1), rel=1e-7)
 
 
-def test_memory_does_not_grow_with_the_draws(hoist_of, tmp_path, monkeypatch, blocks_of_100):
-    monkeypatch.setattr("ropefric.scenes.draws.KEPT_DRAWS", 100)
-    scene = hoist_of(friction={"mu": 0.2}, tolerances={"wheel": {"wrap": "5 deg"}})
-
-    def peak(count):
-        tracemalloc.start()
-        with sweep_table((), Folder(tmp_path), "draws.csv") as table:
-            draw_scene(scene, count, seed=blocks_of_100, write=table.add)
-        size = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return size
-
-    peak(500)
-    assert peak(2500) < 1.2 * peak(500)
-
-
 @pytest.mark.slow
 def test_start_ups_are_drawn_one_by_one(loaded):
     scene = loaded("press-start-up")
@@ -377,14 +350,10 @@ def test_draws_without_an_answer_are_set_apart_and_not_looked_for_one_by_one(loa
         return solve_drive(model)
 
     kind = replace(scene.kind, system=system._replace(solve=solve))
-    written = []
-    found = draw_scene(
-        replace(scene, kind=kind), 200, seed=1, write=lambda columns, _: written.append(columns)
-    )
+    found = draw_scene(replace(scene, kind=kind), 200, seed=1)
     assert found.failed > 20, "a law of the wrap counted from tension has no answer for a belt so light"
     assert len(solved) < found.failed
-    (columns,) = written
-    alone = _Draws(scene, 200, 1)
+    columns, alone = found.columns, _Draws(scene, 200, 1)
     run = _Run(scene, alone)
     for place in range(0, 200, 40):
         (outcome,) = run.outcomes((place, place + 1))

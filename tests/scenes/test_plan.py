@@ -139,11 +139,3 @@ def test_a_named_effect_without_its_data_names_the_key(hoist_of):
         make_plan(SYSTEM, hoist_of().problem, accuracy=0.01, effects=("bending-stiffness",))
     with pytest.raises(DataError, match=r"effects.*rope\.bending_stiffness"):
         solve_scene(hoist_of(effects=["bending-stiffness"]))
-
-
-def test_all_is_every_applicable_effect(hoist_of):
-    scene = hoist_of(effects="all")
-    solution = solve_scene(scene)
-    assert solution.plan.simulated == ("wrap-dependence", "size", "end-tension", "centrifugal")
-    assert solution.plan.left_out == ()
-    assert solution.plan.error_bound <= 1e-11

@@ -1,7 +1,6 @@
 """Sweeps are planned once: what may go goes, and no number, no yes or no differs from everything."""
 
 import csv
-import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +10,10 @@ import pytest
 import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files import plain_text
-from ropefric.files.folder import Folder
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes import points as solving
 from ropefric.scenes import sweep as tables
-from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
+from ropefric.scenes.sweep import parse_axis, sweep_scene
 from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
@@ -136,87 +134,30 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
 
 
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
-def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
-    usual = tables.BLOCK
-    for module in (solving, tables):
-        monkeypatch.setattr(module, "BLOCK", 7)
+def test_the_table_has_the_points_as_asked_for_and_empty_cells_without_an_answer(
+    hoist_of, tmp_path, monkeypatch, name
+):
     scene = hoist_of(effects="all")
-    # The first points lift off: their rows wait until the names of the numbers are known.
-    axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))
-    with sweep_table(axes, Folder(tmp_path), name) as table:
-        swept = sweep_scene(scene, axes, write=table.add, keep=12)
-    whole = sweep_scene(scene, axes)
-    assert swept.steps == (4, 2)
-    assert [axis.values.size for axis in swept.kept] == [3, 3]
-    kept = whole.columns["lift_force_N"].reshape(9, 5)[::4, ::2].ravel()
-    assert np.array_equal(swept.columns["lift_force_N"], kept, equal_nan=True)
-    assert swept.ranges == whole.ranges
+    axes = ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5")
+    whole = rf.sweep(scene, *axes, table=tmp_path / "made" / name)
     assert whole.failed > 7
     if name == "sweep.csv":
-        rows = list(csv.reader((tmp_path / name).read_text(encoding="utf-8").splitlines()))
-        assert rows[0] == [
-            "wheel.speed [m/s]",
-            "wheel.wrap [turn]",
-            "lift_force_N",
-            "mu_average",
-            "extrapolated",
-        ]
-        cells = np.array([[float(cell or "nan") for cell in row] for row in rows[1:]])
+        written = (tmp_path / "made" / name).read_text(encoding="utf-8")
+        header, *rows = csv.reader(written.splitlines())
+        cells = np.array([[float(cell or "nan") for cell in row] for row in rows])
         for module in (solving, tables):
-            monkeypatch.setattr(module, "BLOCK", usual)
-        with sweep_table(axes, Folder(tmp_path), "again.csv") as table:
-            sweep_scene(scene, axes, write=table.add)
-        assert (tmp_path / "again.csv").read_bytes() == (tmp_path / name).read_bytes()
+            monkeypatch.setattr(module, "BLOCK", 7)
+        rf.sweep(scene, *axes, table=tmp_path / name)
+        assert (tmp_path / name).read_text(encoding="utf-8") == written
     else:
-        found = pyarrow.parquet.read_table(tmp_path / name)
-        assert found.column_names == [
-            "wheel.speed [m/s]",
-            "wheel.wrap [turn]",
-            "lift_force_N",
-            "mu_average",
-            "extrapolated",
-        ]
+        found = pyarrow.parquet.read_table(tmp_path / "made" / name)
+        header, cells = found.column_names, found.to_pandas().to_numpy()
         assert found["lift_force_N"].null_count == whole.failed
-        cells = found.to_pandas().to_numpy()
-    assert cells[:, 0] == pytest.approx(np.repeat(axes[0].values, 5))
+    wanted = ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average", "extrapolated"]
+    assert header == wanted
+    assert cells[:, 0] == pytest.approx(np.repeat(whole.axes[0].values, 5))
     assert cells[:, 1] == pytest.approx(np.tile([1.0, 1.75, 2.5, 3.25, 4.0], 9))
     assert cells[:, 2] == pytest.approx(whole.columns["lift_force_N"], rel=1e-8, nan_ok=True)
-
-
-def test_a_sweep_that_is_broken_off_leaves_no_table(hoist_of, tmp_path):
-    scene = hoist_of()
-    axes = (parse_axis(scene, "wheel.wrap=90deg:900deg:120000"),)
-
-    def stop(done, total, what):
-        if done > 50_000:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt), sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-        sweep_scene(scene, axes, write=table.add, progress=stop)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_sweep_in_python_writes_its_table_too(hoist_of, tmp_path):
-    found = rf.sweep(hoist_of(), "wheel.wrap=1turn,2turn", table=tmp_path / "made" / "sweep.parquet")
-    table = pyarrow.parquet.read_table(tmp_path / "made" / "sweep.parquet")
-    assert table["lift_force_N"].to_pylist() == pytest.approx(found.columns["lift_force_N"].tolist())
-
-
-@pytest.mark.slow
-def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
-    def peak(count):
-        scene = hoist_of(friction={"mu": 0.2})
-        axes = (parse_axis(scene, f"wheel.wrap=90deg:900deg:{count}"),
-                parse_axis(scene, "wheel.radius=1cm:9cm:50"))  # fmt: skip
-        tracemalloc.start()
-        with sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-            sweep_scene(scene, axes, write=table.add, keep=1000)
-        size = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return size
-
-    # What grows are the values of the axis itself.
-    assert peak(12_000) < 1.1 * peak(4_000) + 12_000 * 200
 
 
 def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkeypatch):
@@ -224,11 +165,9 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
         raise ImportError
 
     monkeypatch.setattr(plain_text, "import_module", missing)
-    scene = hoist_of()
-    axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
-    with (pytest.raises(InputError, match=r"ropefric\[parquet\]"),
-          sweep_table(axes, Folder(tmp_path), "s.parquet")):  # fmt: skip
-        pass
+    with pytest.raises(InputError, match=r"ropefric\[parquet\]"):
+        rf.sweep(hoist_of(), "wheel.wrap=1turn,2turn", table=tmp_path / "s.parquet")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_list_of_effects_says_how_far_it_is_from_everything(hoist_of, loaded):

@@ -11,14 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import quad
 
-from ropefric.accuracy.study import ACCURACIES, Case, Measured, Setting, Study, against
+from ropefric.accuracy.study import Case, Setting, Study, against
 from ropefric.arrays import FloatArray
-from ropefric.friction.integral import PowerSpan, power_integral
-
-CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
-"""The library's function, its formula without the checks of its input, and the difference of two powers."""
-
-_TIGHTEST = ACCURACIES[-1]
+from ropefric.friction.integral import power_integral
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -60,13 +55,6 @@ def trapezoid(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> Floa
     return np.asarray(wrap / n * (values[1:-1].sum(axis=0) + 0.5 * (values[0] + values[-1])))
 
 
-def simpson(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
-    """Return Simpson's sum over n intervals, n even; fourth order where μ is smooth, arguments as in `segment_sum`."""
-    values = mu(start + wrap * (np.arange(n + 1)[:, np.newaxis] / n))
-    inner = 4.0 * values[1:-1:2].sum(axis=0) + 2.0 * values[2:-1:2].sum(axis=0)
-    return np.asarray(wrap / (3 * n) * (inner + values[0] + values[-1]))
-
-
 def gauss_legendre(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
     """Return Gauss-Legendre's sum of n points; its error falls geometrically with n where μ is smooth.
 
@@ -93,17 +81,6 @@ def adaptive(
     )
 
 
-def _difference(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
-    """Return the antiderivative's difference as a textbook has it, which cancels near b = −1 and for short wraps."""
-    s = b + 1.0
-    return A * ((p + delta) ** s - p**s) / s + C * delta
-
-
-def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
-    with np.errstate(divide="ignore"):
-        return A * PowerSpan(np.log(p), delta, b).integral() + C * delta
-
-
 def _settings(
     start: npt.ArrayLike, wrap: npt.ArrayLike, reference: npt.ArrayLike, b: float = -0.5, *,
     copies: int = 1, most_pieces: int = _PIECES[-1],
@@ -127,28 +104,12 @@ def _settings(
     return (
         *judged("segment sum", "{} pieces", by(segment_sum), mu, over=pieces),
         *judged("trapezoid", "{} pieces", by(trapezoid), mu, over=pieces),
-        *judged("simpson", "{} pieces", by(simpson), mu, over=pieces),
         *judged("gauss-legendre", "{} points", by(gauss_legendre), mu, over=_ORDERS),
         *judged(
             "adaptive quad", "tolerance {:g}", by(adaptive), float_mu, over=tolerances, quick=copies == 1
         ),
-        *judged("closed form, textbook", "", partial(_difference, p, delta, b)),
-        *judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
         *judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
     )
-
-
-def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    bad = [f"{p.error:.0e} in {p.case}" for p in points if p.method == CLOSED[-1] and p.error > _TIGHTEST]
-    if not bad:
-        return ()
-    worst = max(point.error for point in points if point.method == CLOSED[0])
-    sentence = (
-        "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
-        f"{' and '.join(bad)}. The stable form is never off by more than {worst:.0e}; for one condition, the checks "
-        "of the input cost more than the formula."
-    )
-    return (sentence,)
 
 
 def _case(name: str, title: str, *problem: Any, **more: int) -> Case:
@@ -177,5 +138,4 @@ STUDY = Study(
         _case("short-wrap", "b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
               (10.0,), (1e-6,), (SHORT_WRAP,), most_pieces=_MOST_PIECES),
     ),
-    findings=_findings,
 )  # fmt: skip

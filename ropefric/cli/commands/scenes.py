@@ -1,7 +1,7 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from enum import StrEnum
 from math import prod
 from pathlib import Path
@@ -113,14 +113,13 @@ def _names_of(family: str) -> tuple[str, ...]:
 
 @contextmanager
 def _at_work(
-    out: Output, axes: "tuple[sweeping.Axis, ...]", folder: "folders.Folder | None", name: str, cluster: str
+    out: Output, folder: "folders.Folder | None", name: str, cluster: str
 ) -> Iterator[dict[str, Any]]:
-    """Give what a sweep and draws have in common: progress, the table they write, and who does the work."""
-    with Progress(out, "solve") as progress, ExitStack() as stack:
-        table = None if folder is None else stack.enter_context(sweeping.sweep_table(axes, folder, name))
-        executor = stack.enter_context(executors.cluster(cluster))
-        write = None if table is None else table.add
-        yield {"progress": progress.update, "write": write, "executor": executor}
+    """Give what a sweep and draws have in common: progress, and who does the work."""
+    if folder is not None:
+        sweeping.check_table(name)
+    with Progress(out, "solve") as progress, executors.cluster(cluster) as executor:
+        yield {"progress": progress.update, "executor": executor}
 
 
 def _swept(  # noqa: PLR0917  (as the command has them)
@@ -134,8 +133,8 @@ def _swept(  # noqa: PLR0917  (as the command has them)
     plot: str,
 ) -> Answer:
     axes = tuple(sweeping.parse_axis(scene, text) for text in texts)
-    with _at_work(out, axes, folder, name, cluster) as how:
-        found = sweeping.sweep_scene(scene, axes, keep=sweeping.KEPT_POINTS, **how)
+    with _at_work(out, folder, name, cluster) as how:
+        found = sweeping.sweep_scene(scene, axes, **how)
     files = [] if folder is None else _publish_sweep(out, found, folder, name, plot)
     shown = parts.sweep_sections(found)
     return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
@@ -150,11 +149,12 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
     cluster: str,
     **how: Any,
 ) -> Answer:
-    with _at_work(out, (), folder, name, cluster) as of_work:
+    with _at_work(out, folder, name, cluster) as of_work:
         found = drawing.draw_scene(scene, count, **how, **of_work)
     data: dict[str, Any] = found.to_dict()
     files: Sequence[Path] = ()
     if folder is not None:
+        sweeping.write_table(folder, name, found.table)
         written = [folder.path / name, *folder.write({"draws.json": json_text(data)})]
         files = options.publish(out, folder, "answer", written)
     shown = parts.draws_sections(found, scene.kind.words)
@@ -181,6 +181,7 @@ def _publish_sweep(
 ) -> Sequence[Path]:
     from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
+    sweeping.write_table(folder, name, found.table)
     files = [folder.path / name]
     if len(found.axes) <= 2:
         files += figure.save_figure(machines.draw_sweep(found, quantity=plot), folder, "sweep_figure")
@@ -235,8 +236,7 @@ def cost(
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
 
-    Of the lift-force integral, the end tension's root, break-away peaks and their pickers, intervals, fits, press, blade
-    and scenes.
+    Of the lift-force integral, break-away peaks and their pickers, intervals, press, blade and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.

@@ -1,13 +1,10 @@
 """Scenes of a rope on a wheel that lifts."""
 
-import math
-from collections.abc import Mapping
 from typing import Annotated, Any
 
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import reject
 from ropefric.scenes import kind
-from ropefric.section import Section
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift, answerable
 from ropefric.systems.hoist.effects import SYSTEM
 
@@ -104,21 +101,7 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
-    if (arcs := lift.arcs) is not None:
-        tree |= {
-            "slip_arc_rad": kind.finite(arcs.slip_rad[0]),
-            "stick_arc_rad": kind.finite(arcs.stick_rad[0]),
-        }
     return tree
-
-
-def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
-    """Return over which part of its contact the rope slips under the payload."""
-    if tree.get("slip_arc_rad") is None:
-        return ()
-    slip_deg, stick_deg = (math.degrees(tree[f"{name}_arc_rad"]) for name in ("slip", "stick"))
-    line = f"under the payload the rope slips over {slip_deg:.4g} deg of the wheel and sticks over {stick_deg:.4g} deg"
-    return (Section("Slip and stick", lines=(line,)),)
 
 
 KIND = kind.Kind(
@@ -132,6 +115,4 @@ KIND = kind.Kind(
     contacts=lambda problem: kind.at_contact(problem, problem.end_tension_N),
     answerable=answerable,
     failures=_failures,
-    sections=_sections,
-    beyond={"slip_arc_rad": "the arc of slip", "stick_arc_rad": "the arc of stick"},
 )

@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, RopefricError, SolverError
+from ropefric.errors import InputError, SolverError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, own_regressors
-from ropefric.systems.roots import roots_of_cases
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
@@ -59,13 +58,6 @@ HoistModel = Model[HoistProblem]
 """A rope on a wheel with the effects that are in it; without any F_A = F_B e^{μφ}, light, limp and at rest."""
 
 
-class Arcs(NamedTuple):
-    """Under a payload: over which part of its contact the rope slips, and over which it sticks, shape (n,) [rad]."""
-
-    slip_rad: FloatArray
-    stick_rad: FloatArray
-
-
 class Lift(NamedTuple):
     """The lift force of a rope on a wheel."""
 
@@ -77,20 +69,9 @@ class Lift(NamedTuple):
 
     @property
     def logs(self) -> FloatArray:
-        """Return the logarithms of all numbers but the arcs under a payload, shape (4, n)."""
+        """Return the logarithms of all numbers, shape (4, n)."""
         with np.errstate(divide="ignore"):
             return np.stack([self.log_lift, *np.log((self.average_mu, self.contact_rad, self.end_tension_N))])
-
-    @property
-    def arcs(self) -> Arcs | None:
-        """Return the arcs of slip and stick under the payload, if any; NaN where the law has no answer to it."""
-        problem = self.model.problem
-        if problem.payload_kg is None:
-            return None
-        try:
-            return _arcs(self.model)
-        except RopefricError:
-            return Arcs(*np.full((2, problem.n), np.nan))
 
     @property
     def lift_force_N(self) -> FloatArray:
@@ -172,31 +153,6 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
         slack_tension_N=slack_N,
         regressors=own_regressors(model.effects),
     )
-
-
-def _arcs(model: HoistModel) -> Arcs:
-    """Return how far the rope slips before it as a whole does: M(θ) = |ln(P_W/P_B)|, P_W of the payload's weight.
-
-    Where less than the lift force is asked, friction is exhausted only over the arc θ that leads from one tension to
-    the other, after the paper's Fig. 1; over the rest the rope keeps the tension of one side and sticks. While the
-    wheel turns θ lies where the rope leaves it. A coefficient that depends on the wrap counts it from the slack
-    side's tension on, wherever θ lies: a wrap is but a tension (eqs. (5)-(11)). NaN where the payload presses nothing.
-    """
-    problem, (end_N, circling_N, stiff_N) = model.problem, _tensions_N(model)
-    sides_N = np.stack([end_N, GRAVITY_M_S2 * problem.product("payload_kg")]) - (circling_N + stiff_N)
-    touching = (sides_N > 0.0).all(axis=0)
-    slack_N, tight_N = np.where(touching, np.sort(sides_N, axis=0), 1.0)
-    lifted = [lifted_arc_rad(stiff_N / (one + stiff_N)) for one in (slack_N, tight_N)]
-    contact = np.maximum(problem.wrap_angle_rad - lifted[0] - lifted[1], 0.0)
-    needed = np.log(tight_N / slack_N)
-    exponent_over = _exponent(model, slack_N)
-    held = touching & (needed < exponent_over(wrap_angle_rad=contact))
-    met = roots_of_cases(
-        lambda wrap_rad: exponent_over(wrap_angle_rad=wrap_rad) - needed, np.zeros_like(contact), contact
-    )
-    slip = np.where(held, np.where(needed > 0.0, met, 0.0), contact)
-    slip, stick = (np.where(touching, one, np.nan) for one in (slip, contact - slip))
-    return Arcs(slip, stick)
 
 
 def contact_arc_rad(

@@ -1,8 +1,4 @@
-"""A report as data, as one HTML page without other files, with equations as MathML, and the page printed as PDF.
-
-The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name before a bracket is a function of its
-content, two factors beside each other are multiplied, and `integral of X from A to B` is an integral over the wrap.
-"""
+"""A report as data, as one HTML page without other files, and the page printed as PDF."""
 
 import math
 import os
@@ -21,7 +17,6 @@ from markupsafe import Markup, escape
 from ropefric import __version__
 from ropefric.errors import RopefricError
 from ropefric.files.plain_text import visible
-from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import parts
@@ -57,12 +52,6 @@ class Picture(NamedTuple):
     narrow: bool = False
 
 
-class Formula(NamedTuple):
-    """Statements of an equation, each as MathML."""
-
-    statements: tuple[str, ...]
-
-
 class Fold(NamedTuple):
     """A section that is shown on demand, and not printed."""
 
@@ -70,7 +59,7 @@ class Fold(NamedTuple):
     section: Section
 
 
-Block = Section | Picture | dict[str, str] | Formula | Fold | list[Fact] | list[Alert]
+Block = Section | Picture | dict[str, str] | Fold | list[Fact] | list[Alert]
 """Of a chapter; a mapping holds particulars of what the report is about."""
 
 
@@ -172,10 +161,7 @@ def front_blocks(
     yield from filter(None, (of_grade["stop"], _particulars(words)))
     yield [*_facts(answer, subject.evidence)]
     yield from pictures
-    law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
-    yield Section(law.title)
-    yield Formula(formulas(answer.fit.friction_law))
-    yield law._replace(title="", lines=law.lines[1:])
+    yield parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
     doubtful = "; ".join(one.title for one in remarks if one.grade == "doubt")
     of_trials = [Alert("doubt", "The measurements", f"{doubtful}. The annex says what to do.")]
     noted = [*of_grade["doubt"], *of_trials[: bool(doubtful)]]
@@ -263,124 +249,6 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
         yield Fact("Error at unseen conditions", percent(unseen), remark)
     if math.isfinite(scatter):
         yield Fact("Repeatability", percent(scatter), "standard deviation of one pull")
-
-
-_TOKEN = re.compile(r"\d+(?:\.\d+)?|[A-Za-z]\w*\(?|\S")
-_GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
-_NAME = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
-_SPACE = '<mspace width="0.17em"/>'
-_BINDS = {"=": 0, "+": 1, "-": 1, "": 2, "/": 3, "^": 4}
-"""Binding strength of each mark; two factors have no mark between them."""
-_ENDS = frozenset({"", ")", "from", "to"})
-
-
-def formulas(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the statements of a law's equation as MathML elements; statements in another notation stay plain text."""
-    found = []
-    for text in (text for part in law.equation.split(";") for text in _split(part.strip())):
-        try:
-            found.append(_Statement(text).typeset())
-        except ValueError:  # a law of somebody's own may be written in any way
-            found.append(f"<mtext>{escape(text)}</mtext>")
-    return tuple(f'<math display="block">{one}</math>' for one in found)
-
-
-def symbol(name: str) -> str:
-    """Return a plain symbol such as mu_R as MathML, its index set low."""
-    found = _NAME.fullmatch(name)
-    base, *indices = found.groups() if found else (name, None, None)
-    index = indices[0] or indices[1]
-    if len(base) > 2 and base not in _GREEK:  # a word, not a letter with an index
-        return f"<mi>{name.replace('_', ' ')}</mi>"
-    letter = f"<mi>{_GREEK.get(base, base)}</mi>"
-    if not index:
-        return letter
-    kind = "mn" if index.isdigit() else "mi"
-    return f"<msub>{letter}<{kind}>{_GREEK.get(index, index)}</{kind}></msub>"
-
-
-def _split(text: str) -> list[str]:
-    """Return the parts between commas outside brackets."""
-    parts, depth = [""], 0
-    for letter in text:
-        depth += (letter == "(") - (letter == ")")
-        if letter == "," and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += letter
-    return [part.strip() for part in parts]
-
-
-_OPEN, _CLOSE = "<mrow><mo>(</mo>", "<mo>)</mo></mrow>"
-
-
-def _bare(found: str) -> str:
-    """Return the content of brackets, for places where a bar or a raised position replaces them."""
-    return found[len(_OPEN) : -len(_CLOSE)] if found.startswith(_OPEN) else found
-
-
-def _joined(left: str, mark: str, right: str) -> str:
-    if mark == "/":
-        return f"<mfrac><mrow>{_bare(left)}</mrow><mrow>{_bare(right)}</mrow></mfrac>"
-    if mark == "^":
-        raised = f"<mrow>{_bare(right)}</mrow>"
-        indexed = left.startswith("<msub>")
-        return f"<msubsup>{left[6:-7]}{raised}</msubsup>" if indexed else f"<msup>{left}{raised}</msup>"
-    return f"{left}<mo>{mark.replace('-', '−')}</mo>{right}" if mark else f"{left}{_SPACE}{right}"
-
-
-class _Statement:
-    """A statement with its unread tokens; the read part is returned as MathML."""
-
-    def __init__(self, text: str) -> None:
-        self.text, self.tokens = text, [*_TOKEN.findall(text), ""]
-
-    def typeset(self) -> str:
-        words = ""
-        while self.tokens[0] in {"local", "average"}:
-            words += f"<mtext>{self.tokens.pop(0)}</mtext>{_SPACE}"
-        found = self.read(0)
-        self.expect("")
-        return f"<mrow>{words}{found}</mrow>"
-
-    def expect(self, word: str) -> None:
-        if (found := self.tokens.pop(0)) != word:
-            raise ValueError(f"{self.text!r} has {found!r} where {word!r} belongs")
-
-    def read(self, least: int) -> str:
-        """Return the expression joined by marks of at least this binding strength."""
-        found = "" if self.tokens[0] == "-" and least <= _BINDS["-"] else self.atom()
-        while (ahead := self.tokens[0]) not in _ENDS:
-            mark = ahead if ahead in _BINDS else ""
-            if _BINDS[mark] < least:
-                break
-            del self.tokens[: len(mark)]
-            found = _joined(found, mark, self.read(_BINDS[mark] + 1))
-        return found
-
-    def atom(self) -> str:
-        """Return a number, a name, a bracket, a function of one, or an integral."""
-        word = self.tokens.pop(0)
-        name = word.removesuffix("(")
-        if word == "integral":
-            of, low, high = (self.after(mark) for mark in ("of", "from", "to"))
-            ends = f"<munderover><mo>∫</mo><mrow>{low}</mrow><mrow>{high}</mrow></munderover>"
-            return f"<mrow>{ends}{of}{_SPACE}<mi>d</mi>{symbol('phi')}</mrow>"
-        if word != "(" and not word[:1].isalnum():
-            raise ValueError(f"{self.text!r} has {word!r} where a number or a name belongs")
-        shown = f"<mn>{name}</mn>" if name.isdigit() or "." in name else symbol(name)
-        if name == word:
-            return shown
-        inner = self.read(1)
-        self.expect(")")
-        if name == "sqrt":
-            return f"<msqrt>{inner}</msqrt>"
-        bracket = f"{_OPEN}{inner}{_CLOSE}"
-        return f"<mrow>{shown}<mo>&#x2061;</mo>{bracket}</mrow>" if name else bracket
-
-    def after(self, word: str) -> str:
-        self.expect(word)
-        return self.read(1)
 
 
 BROWSER = "ROPEFRIC_BROWSER"

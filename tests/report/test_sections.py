@@ -1,9 +1,11 @@
 """Text and pages of sections: aligned, folded where it may be, nothing lost, nothing that is not a number shown."""
 
 import math
+import re
 from pathlib import Path
 
 import ropefric as rf
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.report.page import Chapter, Report, as_html
 from ropefric.report.parts import diagnosis_section
 from ropefric.section import WIDTH, Section, as_text, plain
@@ -65,3 +67,11 @@ def test_causes_that_were_not_tested_are_one_line():
     assert [note.partition(":")[0] for note in notes] == [*supported, "not supported", "not tested"]
     untested = [one.cause for one in found.causes if one.supported == "cannot-tell"]
     assert notes[-1] == f"not tested: {', '.join(untested)}; `ropefric diagnose` names the tests"
+
+
+def test_the_equation_of_a_law_has_its_parameters():
+    for law in ALL_LAWS.values():
+        names = set(re.findall(r"[A-Za-z]\w*", law.equation))
+        for item in law.parameters:
+            # A parameter whose name says more than its symbol names the symbol in its meaning.
+            assert item.name in names or any(f" {word} " in f" {item.meaning} " for word in names), item.name

@@ -78,18 +78,27 @@ _START_UP = replace(
 )
 
 
+def _read(name: str, data: dict[str, Any]) -> Scene:
+    return read_scene(TomlDocument(path=f"{name}.toml", data=data, lines={}), Path())
+
+
+def _bundled(name: str) -> Any:
+    """Return the problem of a bundled scene."""
+    return _read(name, tomllib.loads(bundled_scenes()[name])).problem
+
+
 PROBLEMS: dict[str, tuple[System, Any, str]] = {
     "hoist": (
         HOIST,
         _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),
-    "traction": (TRACTION, _bundled("traction").problem, "a lift of 630 kg on its sheave, four load cases"),
-    "belt-drive": (DRIVE, _bundled("belt-drive").problem, "a flat belt between two pulleys at 7.5 kW"),
-    "line": (LINE, _bundled("cable-pull").problem, "a cable through five elements of a conduit"),
+    "traction": (TRACTION, _bundled("traction"), "a lift of 630 kg on its sheave, four load cases"),
+    "belt-drive": (DRIVE, _bundled("belt-drive"), "a flat belt between two pulleys at 7.5 kW"),
+    "line": (LINE, _bundled("cable-pull"), "a cable through five elements of a conduit"),
     "press-fixed": (
         PRESS,
-        _bundled("press-fixed").problem,
+        _bundled("press-fixed"),
         "a press of 13 rollers, two belts between fixed centres",
     ),
     "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
@@ -171,7 +180,7 @@ def swept_scene(accuracy: float, effects: str = "auto") -> tuple[Scene, tuple[Ax
     data["rope"] |= {"hanging_length": "5 m", "bending_stiffness": "2e-5 N*m^2"}
     data["friction"] = {"law": "wrap-power", "parameters": {"a": 0.1, "b": -0.4, "c": 0.1}}
     data |= {"accuracy": accuracy, "effects": effects}
-    scene = read_scene(TomlDocument(path="climbing-hoist.toml", data=data, lines={}), Path())
+    scene = _read("climbing-hoist", data)
     return scene, tuple(parse_axis(scene, axis) for axis in _SWEPT)
 
 

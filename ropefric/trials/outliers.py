@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
@@ -167,14 +166,6 @@ def expected_beyond(n: int, z_limit: float) -> float:
     return n * (1.0 - float(betainc(0.5, 0.5 * (n - 2), n * (z_limit / (n - 1)) ** 2)))
 
 
-def chauvenet_limit(n: int) -> float:
-    """Return the |z| that half a value of n normal ones is expected to exceed: n·P(|z| > limit) = 1/2.
-
-    Source: Taylor, An Introduction to Error Analysis, 2nd ed. (1997) chapter 6.
-    """
-    return NormalDist().inv_cdf(1.0 - 1.0 / (4.0 * max(n, 1)))
-
-
 def grubbs_critical_value(n: int) -> float:
     """Return the two-sided 5 % critical value of Grubbs' statistic max |x − mean|/s; infinite for fewer than 3 values.
 
@@ -198,33 +189,23 @@ def _judge_by_grubbs(deviations: FloatArray) -> BoolArray:
     return flagged
 
 
-def _judge_by_median(deviations: FloatArray) -> BoolArray:
-    distance = np.abs(deviations - np.median(deviations))
-    std = float(np.median(distance)) / 0.6745  # MAD/σ of a normal distribution, as printed in the source
-    if std == 0.0:
-        # More than half of the values are equal: the mean absolute deviation, √(2/π) of σ, still tells a scatter.
-        std = float(distance.mean()) / 0.797885
-    flagged: BoolArray = distance > 3.5 * std
-    return flagged
-
-
-# n: (s of the kept values over σ, share of series that lose a value) by two-sigma, grubbs, chauvenet and mad.
+# n: (s of the kept values over σ, share of series that lose a value) by two-sigma and grubbs.
 _TRIMMING = {
-    3: ((0.886, 0.000), (0.843, 0.050), (0.887, 0.000), (0.658, 0.288)),
-    4: ((0.922, 0.000), (0.883, 0.050), (0.921, 0.000), (0.802, 0.170)),
-    5: ((0.941, 0.000), (0.905, 0.049), (0.855, 0.136), (0.810, 0.207)),
-    6: ((0.949, 0.004), (0.920, 0.050), (0.854, 0.196), (0.866, 0.152)),
-    7: ((0.926, 0.061), (0.931, 0.050), (0.862, 0.228), (0.873, 0.170)),
-    8: ((0.912, 0.122), (0.939, 0.050), (0.872, 0.250), (0.902, 0.137)),
-    9: ((0.904, 0.180), (0.947, 0.050), (0.881, 0.264), (0.907, 0.148)),
-    10: ((0.899, 0.234), (0.951, 0.050), (0.889, 0.276), (0.923, 0.125)),
-    11: ((0.895, 0.285), (0.955, 0.050), (0.896, 0.285), (0.927, 0.133)),
-    12: ((0.894, 0.334), (0.959, 0.050), (0.901, 0.293), (0.938, 0.117)),
-    15: ((0.890, 0.462), (0.967, 0.050), (0.915, 0.310), (0.949, 0.115)),
-    20: ((0.886, 0.626), (0.975, 0.050), (0.930, 0.327), (0.964, 0.098)),
-    30: ((0.883, 0.821), (0.983, 0.050), (0.947, 0.343), (0.976, 0.089)),
-    50: ((0.882, 0.960), (0.989, 0.050), (0.963, 0.359), (0.985, 0.087)),
-    100: ((0.881, 0.999), (0.994, 0.050), (0.978, 0.371), (0.992, 0.096)),
+    3: ((0.886, 0.000), (0.843, 0.050)),
+    4: ((0.922, 0.000), (0.883, 0.050)),
+    5: ((0.941, 0.000), (0.905, 0.049)),
+    6: ((0.949, 0.004), (0.920, 0.050)),
+    7: ((0.926, 0.061), (0.931, 0.050)),
+    8: ((0.912, 0.122), (0.939, 0.050)),
+    9: ((0.904, 0.180), (0.947, 0.050)),
+    10: ((0.899, 0.234), (0.951, 0.050)),
+    11: ((0.895, 0.285), (0.955, 0.050)),
+    12: ((0.894, 0.334), (0.959, 0.050)),
+    15: ((0.890, 0.462), (0.967, 0.050)),
+    20: ((0.886, 0.626), (0.975, 0.050)),
+    30: ((0.883, 0.821), (0.983, 0.050)),
+    50: ((0.882, 0.960), (0.989, 0.050)),
+    100: ((0.881, 0.999), (0.994, 0.050)),
 }
 
 
@@ -257,25 +238,6 @@ RULES: Registry[OutlierRule] = Registry(
             trimming=_trimming(1),
         ),
         OutlierRule(
-            name="chauvenet",
-            label="Chauvenet's criterion",
-            source="Taylor, An Introduction to Error Analysis (1997) chapter 6",
-            description="all values so far from the mean that less than half a value of n was expected there; one pass",
-            judge=lambda deviations: beyond(deviations, chauvenet_limit(deviations.size)),
-            can_reject=lambda n: max_z(n) > chauvenet_limit(n),
-            good_lost=lambda n: expected_beyond(n, chauvenet_limit(n)),
-            trimming=_trimming(2),
-        ),
-        OutlierRule(
-            name="mad",
-            label="the modified z-score",
-            source="Iglewicz and Hoaglin, How to Detect and Handle Outliers, ASQC (1993)",
-            description="all values with 0.6745 |x − median|/MAD above 3.5; mean absolute deviation where MAD is 0",
-            judge=_judge_by_median,
-            can_reject=lambda n: n >= 3,
-            trimming=_trimming(3),
-        ),
-        OutlierRule(
             name="none",
             label="no rule",
             source="",
@@ -286,7 +248,7 @@ RULES: Registry[OutlierRule] = Registry(
         ),
     ],
 )
-"""Every rule: two-sigma (the paper's, the default), grubbs, chauvenet, mad (outliers cannot hide one another), none."""
+"""Every rule: two-sigma (the paper's, the default), grubbs, none."""
 
 
 class Trimming(NamedTuple):

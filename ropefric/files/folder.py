@@ -199,8 +199,8 @@ class OutputFolder(Folder):
 
     def _existing(self) -> list[str]:
         """Return the names the command may write that are taken."""
-        folders = {PurePosixPath(name).parent for name in self._names}
-        for folder in (OWN, CACHE, *(one for one in folders if one.parts)):
+        parents = {PurePosixPath(name).parent.as_posix() for name in self._names} - {"."}
+        for folder in (OWN, CACHE, *sorted(parents)):
             disk.refuse_link(self.path / folder)
         # Also links that lead nowhere, which Path.glob passes over.
         found = (glob.glob(pattern, root_dir=self.path) for pattern in self._names)  # noqa: PTH207

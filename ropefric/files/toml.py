@@ -11,15 +11,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ropefric.errors import DataError, Problem
-from ropefric.files.disk import kind_of_file, read_file
+from ropefric.files.disk import read_file
 
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
 
 MOST_BYTES = 1_000_000
 """A TOML file larger than this was not written by hand."""
-
-_MAX_PARTS = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,14 +54,7 @@ class TomlDocument:
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
     r"""Return a TOML file's tree with the line of every key."""
     name = Path(path).as_posix()
-    try:
-        content = read_file(path, what, shown=name, limit=MOST_BYTES)
-    except DataError:
-        if kind_of_file(path) != "folder":
-            raise
-        fix = _file_in(Path(path), what)
-        raise DataError(f"this is a folder, not a {what}", path=name, fix=fix) from None
-    return parse_toml(content, name, what)
+    return parse_toml(read_file(path, what, shown=name, limit=MOST_BYTES), name, what)
 
 
 def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocument:
@@ -75,9 +66,6 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
-    if (endless := endless_key(text)) is not None:
-        message = f"a key has more than {_MAX_PARTS} parts"
-        raise DataError(message, path=name, line=endless, fix="shorten the key")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -90,37 +78,8 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
     return TomlDocument(path=name, data=data, lines=toml_lines(text))
 
 
-def _file_in(folder: Path, what: str) -> str:
-    """Return which TOML file of a folder may be meant."""
-    names = sorted(path.name for path in folder.glob("*.toml"))
-    if "campaign.toml" in names and what != "campaign file":
-        return f"it holds a campaign: `ropefric run {folder.as_posix()}`"
-    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-    if not names:
-        return "name a file; this folder holds no *.toml"
-    return f"name a file of it: {', '.join(names[:3])}{more}"
-
-
-_IN_ONE_PLACE, _IN_QUOTES = "join both in one place", 'put text and quantities in quotes: "40 mm"'
-_MEANINGS = (
-    ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
-    ("Cannot declare", "this table is given a second time", "join both under one heading"),
-    ("Cannot mutate immutable", "this table is complete where it was first written", _IN_ONE_PLACE),
-    ("Invalid value", "the value is not TOML", _IN_QUOTES),
-    ("Expected newline or end", "something follows the value", _IN_QUOTES),
-    ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
-    ("Illegal character", "a character is not allowed here, or a quote is not closed", "close the quote"),
-    ("Unterminated string", "a quote is not closed", "close the quote"),
-    ('Expected \'"""\'', "a quote is not closed", "close the quote"),
-    ("Unclosed array", "a bracket is not closed", "close it with ]"),
-    ("Unescaped '\\'", "there is a lone backslash in the text", "use / in paths, or single quotes"),
-)
-
-
 _PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
-_BARE_QUANTITY = re.compile(
-    r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
-)
+_HOW = 'write each key once, as radius = "40 mm": text and quantities in quotes, paths with /; close quotes and brackets'
 
 
 def _syntax_error(text: str, message: str, name: str) -> DataError:
@@ -129,13 +88,8 @@ def _syntax_error(text: str, message: str, name: str) -> DataError:
     rows = text.split("\n")
     # tomllib points behind a line break where a value or key is missing at the end of the line before.
     written = rows[line - 1].strip() if line <= len(rows) else ""
-    said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
-    meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
-    bare = _BARE_QUANTITY.fullmatch(written)
-    if bare:
-        fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
-    shown = f": {written[:80]}" if written else ""
-    return DataError(f"not valid TOML, {meaning or said}{shown}", path=name, line=max(line, 1), fix=fix)
+    said, shown = message.partition(" (at ")[0], f": {written[:80]}" if written else ""
+    return DataError(f"not valid TOML, {said}{shown}", path=name, line=max(line, 1), fix=_HOW)
 
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
@@ -169,19 +123,6 @@ def _places(text: str) -> "_Places":
             if found.tokens:
                 found.tokens.popleft()
     return found
-
-
-def endless_key(text: str) -> int | None:
-    r"""Return the line of the first key with too many dotted parts, whose cost grows with their square."""
-    dots = 0
-    for token in _tokens(text):
-        if token.kind == ".":
-            dots += 1
-            if dots >= _MAX_PARTS:
-                return token.line
-        elif token.kind not in ("bare", "string", "space"):
-            dots = 0
-    return None
 
 
 def key_text(path: KeyPath) -> str:

@@ -1,16 +1,12 @@
 """From campaign.toml and its trial list to a `Campaign`, or to everything that is wrong with them."""
 
-import math
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
-
-import numpy as np
 
 from ropefric.errors import PATH, DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import kind_of_file, write_files
@@ -19,20 +15,14 @@ from ropefric.files.toml_edit import Keys, with_values
 from ropefric.files.toml_model import validate_document
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
-from ropefric.traces.breakaway import SIDES
-from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.signals import COUNTS, signal_unit
 from ropefric.trials.campaign_model import (
     AboutTable,
     Campaign,
     CampaignFile,
-    Protocol,
-    TrialSpec,
-    protocol_names,
 )
 from ropefric.trials.trial_list import (
     MISSING_RECORDING,
-    ReadList,
     TrialContext,
     advise,
     radius_doubt,
@@ -43,14 +33,6 @@ _HOW_TO_READ = "# How to read the recordings"
 MISSING_WAYS = ("error", "flag")
 TEMPLATES = ("campaign.toml", "trials.csv")
 """The files of a new campaign."""
-
-_NAME = re.compile(r"\w+")
-_SET_BY_TRIAL = {
-    "end_tension": "end_tension_N",
-    "lift_force": "lift_force_N",
-    "wrap_angle": "wrap_angle_deg",
-    "wrap": "wrap_angle_deg",
-}
 
 
 def write_templates(
@@ -141,41 +123,31 @@ def examine_campaign(
     """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
 
     `content` takes the place of what the campaign file contains, to check a change before it is written.
-    With an error in its list, trials of wrong rows are included, to check their recordings; unknown values are NaN.
+    With an error in its list, it has the trials of the good rows whose recordings are there, to check them.
     """
     document, unread = _document(path, content)
     if document is None:
         return None, unread
     model, wrong = validate_document(CampaignFile, document)
-    doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
-    settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))
-    trials_path, parent = document.data.get("trials"), Path(path).parent
-    if not isinstance(trials_path, str):
+    if model is None:
+        return None, wrong
+    doubtful = (*_check_force(document, model), *_check_model(document, model))
+    settings = tuple(sorted(doubtful, key=lambda p: (p.line or 0, p.key, p.message)))
+    if _has_error(settings):
         return None, settings
-    data = document.data.get("data", ".")
-    folder = parent / (data if isinstance(data, str) else ".")
-    trial_list = parent / trials_path
-    listed = read_trials(trial_list, folder, _context(document, model, folder))
-    problems = settings + tuple(_flagged(listed.problems) if flag_missing else listed.problems)
-    if model is None or _has_error(settings):
-        return None, problems
-    if _has_error(problems):
-        trials = _with_recordings(listed)
-    else:
-        trials, alone = listed.trials, model.protocol.name in {"breakaway", "two-way"}
+    folder, trial_list = Path(path).parent / model.data, Path(path).parent / model.trial_list
+    trials, found = read_trials(trial_list, folder, _context(model, folder))
+    problems = settings + tuple(_flagged(found) if flag_missing else found)
+    gone = {one.line for one in problems if one.code == MISSING_RECORDING and one.severity == "error"}
+    trials = tuple(trial for trial in trials if trial.line not in gone)
+    if not _has_error(problems):
+        alone = model.protocol.name in {"breakaway", "two-way"}
         problems += advise(trials, trial_list.as_posix(), rule=model.rejection, one_trial_each=alone)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     more: dict[str, Any] = {"path": Path(path), "folder": folder, "trial_list": trial_list, "trials": trials}
     more |= {"sampling_rate_Hz": rate_Hz, "profile": replace(model.profile, sampling_rate_Hz=rate_Hz)}
     warnings = tuple(problem for problem in problems if problem.severity == "warning")
     return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
-
-
-def _with_recordings(listed: ReadList) -> tuple[TrialSpec, ...]:
-    """Return the rows of a list, wrong ones too, whose recordings are there."""
-    gone = {problem.line for problem in listed.problems if problem.code == MISSING_RECORDING}
-    there = (trial for trial in (*listed.trials, *listed.wrong) if trial.line not in gone)
-    return tuple(sorted(there, key=lambda trial: trial.line))
 
 
 def _has_error(problems: Iterable[Problem]) -> bool:
@@ -203,64 +175,50 @@ def _document(
     return (None, broken) if broken else (document, ())
 
 
-def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:
-    """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
-    needing, protocol = _cells_needed(document).items(), model.protocol if model else Protocol()
-    sizes = {name: wheel.radius_m for name, wheel in model.wheels.items()} if model else {}
+def _context(model: CampaignFile, folder: Path) -> TrialContext:
+    """Return what rows depend on."""
     return TrialContext(
-        folder=folder if kind_of_file(folder) == "folder" else None,
-        needed=(
-            *_tension_needed(document),
-            *(column for column, name in needing if name in COUNTS or document.table("cells")),
-        ),
-        wheels={name: sizes.get(name) for name in document.table("wheels")},
-        cells=tuple(document.table("cells")),
-        rope_radius_m=model.rope.radius_m if model else None,
-        start_s=protocol.start_s,
-        stop_s=protocol.stop_s,
-        protocol=protocol.name,
+        folder=folder,
+        needed=(*_tension_needed(model), *_cells_needed(model)),
+        wheels={name: wheel.radius_m for name, wheel in model.wheels.items()},
+        cells=tuple(model.cells),
+        rope_radius_m=model.rope.radius_m,
+        start_s=model.protocol.start_s,
+        stop_s=model.protocol.stop_s,
+        protocol=model.protocol.name,
     )
 
 
-def _tension_needed(document: TomlDocument) -> tuple[str, ...]:
-    """Return the column of the list with the tension that is known of each trial, as far as the protocol is known."""
-    protocol = document.table("protocol")
-    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
-    if not (isinstance(name, str) and name in protocol_names() and side in SIDES):
-        return ()
-    if Protocol(name=name, side=side).needs_lift_force:
+def _tension_needed(model: CampaignFile) -> tuple[str, ...]:
+    """Return the column of the list with the tension that is known of each trial."""
+    if model.protocol.needs_lift_force:
         return ("lift_force_N",)
-    measured = (*document.table("import", "channels"), *document.table("import", "derived"))
+    measured = (*model.profile.channels, *model.profile.derived)
     is_measured = any("end_tension" in channel for channel in measured)
-    return () if name == "two-way" or is_measured else ("end_tension_N",)
+    return () if model.protocol.name == "two-way" or is_measured else ("end_tension_N",)
 
 
-def _cells_needed(document: TomlDocument) -> dict[str, str]:
+def _cells_needed(model: CampaignFile) -> dict[str, str]:
     """Return the columns of the list that must name a cell, with the channel that needs it."""
-    channels = document.table("import", "channels")
-    found = {}
+    channels, found = model.profile.channels, dict[str, str]()
     for column, counts, force in (("cell", *COUNTS[:1], "force"), ("end_cell", *COUNTS[1:], "end_tension")):
         given = channels.get(force)
-        volts = isinstance(given, dict) and not given.get("sensitivity") and str(given.get("unit", ""))
         if counts in channels:
             found[column] = counts
-        elif volts and signal_unit(force, volts):
+        elif given and given.unit and not given.sensitivity and signal_unit(force, given.unit):
             found[column] = force
     return found
 
 
-_PLACES = ("channels", "derived")
-
-
-def _check_document(document: TomlDocument) -> Iterator[Problem]:
-    """Yield contradictions between the tables of a campaign file."""
-    needed = [*_cells_needed(document).values()]
+def _check_force(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
+    """Yield what a force in counts or volts lacks."""
+    needed = [*_cells_needed(model).values()]
     for name in needed[:1]:
         key, what = ("import", "channels", name), "counts" if name in COUNTS else "volts"
-        if what == "counts" and "adc" not in document.data:
+        if what == "counts" and model.adc is None:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
-        if not document.data.get("cells"):
+        if not model.cells:
             fix, missing = 'add [cells.K1] with full_scale = "1 kN"', "a force cell"
             if what == "volts":
                 missing = "its sensitivity, or a force cell"
@@ -268,35 +226,15 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
                     f'write sensitivity = "25 N/mV" beside the unit, or {fix}, and name the cell in the list'
                 )
             yield document.problem(key, "RF121", f"a force in {what} needs {missing}", fix=fix)
-    yield from dict.fromkeys(_check_formulas(document))
-    name = document.data.get("data", ".")
-    folder = Path(document.path).parent / (name if isinstance(name, str) else "")
-    if kind_of_file(folder) != "folder":
-        fix = "write the folder relative to the campaign file"
-        yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
-
-
-def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
-    """Try every formula on recordings without a single value, so that only the formula itself can fail."""
-    channels = document.table("import", "channels")
-    if not channels:
-        return  # the reader goes by the file's headers, which are not known here
-    constants = dict.fromkeys(document.table("import", "constants"), math.nan)
-    known = {name: np.full(3, np.nan) for name in channels}
-    for name, formula in document.table("import", "derived").items():
-        if not isinstance(formula, str):
-            continue
-        try:
-            evaluate_derived({name: formula}, known, constants)
-        except DataError as error:
-            key = ("import", "constants") if "constants" in error.problem.key else ("import", "derived", name)
-            yield document.problem(key, error.code, error.problem.message, fix=error.fix)
-        known[name] = np.full(3, np.nan)
 
 
 def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield errors and warnings of a campaign file whose tables are right by themselves."""
     warn = partial(document.problem, warning=True)
+    folder = Path(document.path).parent / model.data
+    if kind_of_file(folder) != "folder":
+        fix = "write the folder relative to the campaign file"
+        yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
     profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
     if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:
         message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"
@@ -315,18 +253,3 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
         if said:
             fix = f"write what the data sheet states, such as {said[0]}"
             yield warn(("cells", name), "RF142", f"not stated, so assumed: {', '.join(said)}", fix=fix)
-    yield from _idle_channels(document, model)
-
-
-def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
-    """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
-    used = {name for formula in model.profile.derived.values() for name in _NAME.findall(str(formula))}
-    if not model.protocol.needs_lift_force:
-        used.add("end_tension")
-    for place in _PLACES:
-        for name in getattr(model.profile, place):
-            if name in _SET_BY_TRIAL and name not in used:
-                measured = name.replace("_", " ")
-                what = f"the measured {measured} is read, but not used: that of the trial list is"
-                fix = f"write its value at break-away into the column {_SET_BY_TRIAL[name]} of the trial list"
-                yield document.problem(("import", place, name), "RF141", what, fix=fix, warning=True)

@@ -5,8 +5,6 @@ import math
 import os
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
-from difflib import get_close_matches
 from functools import partial
 from itertools import chain, count
 from pathlib import Path, PurePath, PurePosixPath
@@ -29,8 +27,7 @@ MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
 FEWEST_REPEATS = 6
 
-_SLIP = 0.75
-TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
+TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note")
 QUANTITIES = {
     **cells.SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
@@ -38,10 +35,7 @@ QUANTITIES = {
     "dwell": ("dwell_s", "s", 1.0),
     "from": ("start_s", "s", 1.0),
     "until": ("stop_s", "s", 1.0),
-    "pick": ("pick_s", "s", 1.0),
 }
-DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
-"""Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     **cells.POSITIVE,
     "file": "the recording it was made of",
@@ -52,16 +46,16 @@ _MEANINGS = {
 
 
 class TrialContext(NamedTuple):
-    """The parts of the campaign file that rows depend on, as far as they could be read.
+    """The parts of the campaign file that rows depend on.
 
     `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
     """
 
-    folder: Path | None
+    folder: Path
     needed: tuple[str, ...]
-    wheels: Mapping[str, float | None]
+    wheels: Mapping[str, float]
     cells: tuple[str, ...]
-    rope_radius_m: float | None
+    rope_radius_m: float
     start_s: float | None
     stop_s: float | None
     protocol: str
@@ -80,33 +74,14 @@ class _Row:
         # Lists written on Windows name folders with backslashes.
         self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
         self.name = self.texts.get("trial", "")
-        self.decided: tuple[Decision, cells.CellTable] | None = None
 
-    def decide(self, decision: Decision, of: cells.CellTable) -> None:
+    def decide(self, decision: Decision) -> None:
         """Let a decision stand in place of what the row itself says."""
-        if decision.peak_N is None or not math.isclose(self.numbers.get("peak_N", 0.0), decision.peak_N):
-            self.numbers.pop("peak_std_N", None)
-        for name in ("pick_s", "peak_N"):
-            self.numbers.pop(name, None)
         given = {"pick_s": decision.pick_s, "peak_N": decision.peak_N}
         self.numbers |= {name: value for name, value in given.items() if value is not None}
         self.texts |= {name: getattr(decision, name) for name in ("exclude", "why", "by", "when")}
         if decision.is_empty:
             self.texts["by"] = self.texts["when"] = ""
-        self.decided = decision, of
-
-    @property
-    def is_there(self) -> bool:
-        """Return whether the recording was found."""
-        return all(one.code != MISSING_RECORDING for one in self.problems)
-
-    def doubt(self, name: str, code: str, message: str, fix: str) -> None:
-        """Record an error of a decision at its place."""
-        if self.decided is None:
-            self.say(name, code, message, fix)
-        else:
-            decision, table = self.decided
-            self.problems.append(table.problem(decision.line, name, code, message, fix))
 
     def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
         """Record an error of a column."""
@@ -122,50 +97,37 @@ class _Row:
                 self.say(name, "RF121", what, "fill the cell")
 
 
-class ReadList(NamedTuple):
-    """The rows that can be used; of the others those whose recording can be looked at; and all that is wrong."""
-
-    trials: tuple[TrialSpec, ...] = ()
-    wrong: tuple[TrialSpec, ...] = ()
-    problems: tuple[Problem, ...] = ()
-
-
-def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContext) -> ReadList:
-    """Return the rows of a list about recordings in a folder."""
+def read_trials(
+    path: str | os.PathLike[str], folder: Path, context: TrialContext
+) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
+    """Return the rows of a list that can be used, about recordings in a folder, and all that is wrong."""
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
-        return ReadList(problems=tuple(map(_of_campaign, error.problems)))
-    decided = DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
-    columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
-    problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
+        return (), error.problems
+    columns, others, refused = table.bind(QUANTITIES, TEXTS)
+    header = refused or [*_check_header(table, columns, others, context)]
+    problems = [*torn, *header]
+    if any(one.severity == "error" for one in header):
+        return (), tuple(problems)
     if not torn and not table.rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
     _refuse_twice(rows)
-    if context.folder is not None:
-        _refuse_missing(rows, context.folder)
+    _refuse_missing(rows, context.folder)
     _name(rows)
-    if Path(path).name != DECISIONS:
-        problems += _decide(rows, Path(path).with_name(DECISIONS))
-    trials, bad = list[TrialSpec](), list[TrialSpec]()
+    problems += _decide(rows, Path(path).with_name(DECISIONS), context.protocol)
+    trials = list[TrialSpec]()
     for place, row in enumerate(rows):
-        whole = _check(row, wrong[place], context, wrong_header=bool(refused))
+        if _check(row, wrong[place], context):
+            trials.append(_trial(row, others, folder, context))
         problems += row.problems
-        if whole or row.is_there:
-            (trials if whole else bad).extend(_trial(row, others, folder, context, whole=whole))
-    return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
+    return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
-def _of_campaign(problem: Problem) -> Problem:
-    """Return a problem of a list that is not there as one of the campaign file, which names it."""
-    fix = "check the path, relative to the campaign file"
-    return replace(problem, fix=fix) if "no such file" in problem.message else problem
-
-
-def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
+def _decide(rows: Sequence[_Row], path: Path, protocol: str) -> Iterator[Problem]:
     """Carry out the decisions beside the list; yield their errors, and those of no trial of the list."""
     made, table, problems = read_decisions(path)
     yield from problems
@@ -180,45 +142,51 @@ def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
             fix = "give each row of the list a name of its own in the column trial, and correct or remove this line"
             yield table.problem(decision.line, "file", "RF111", message, fix)
         else:
-            row.decide(decision, table)
+            row.decide(decision)
+            for wrong in _wrong_decision(decision, alone=protocol == "breakaway" and row.sample != "*"):
+                yield table.problem(decision.line, *wrong)
+
+
+def _wrong_decision(decision: Decision, *, alone: bool) -> Iterator[tuple[str, str, str, str]]:
+    """Yield key, code, message and fix of what a decision lacks; `alone`: the only trial of its recording."""
+    given = [name for name in ("pick_s", "peak_N") if getattr(decision, name) is not None]
+    if len(given) > 1:
+        yield "peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty"
+    if decision.peak_N is not None and not decision.peak_N > 0.0:
+        yield "peak_N", "RF110", f"{decision.peak_N:g} N is no possible value", "correct the number"
+    for name, what in (("why", "its reason"), ("by", "who took it")):
+        if given and not getattr(decision, name):
+            yield name, "RF121", f"a decision needs {what}", f"fill the column {name}"
+    if given and not alone:
+        message = "one decision cannot stand for several trials of a recording"
+        fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
+        yield given[0], "RF111", message, fix
 
 
 def _check_header(
-    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext | None
-) -> Iterator[Problem]:
-    """Yield likely meanings of unknown columns, and the missing ones, where a context states the needed ones."""
-    # A mistyped header says more than the consequence that its column is missing.
-    missing = list(_missing_columns(table, columns, others, context)) if context else []
-    mistyped = {problem.key for problem in missing}
-    for name in others:
-        if name not in mistyped:
-            yield from table.near_miss(name, QUANTITIES, TEXTS)
-        if cells.stem_of(name) == "peak":
-            fix = "add the columns why and by, if it is a decision about the break-away"
-            yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
-    yield from missing
-    yield from _unnamed_columns(table)
-
-
-def _missing_columns(
     table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext
 ) -> Iterator[Problem]:
-    """Yield that a column is missing, or that its name is mistyped."""
-    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"}
-    needed |= {name: name for name in context.needed if name.endswith("_N")}
+    """Yield that needed columns are missing, likely meanings of unknown ones, and decisions that stand elsewhere."""
+    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in context.needed}
     if not {"wheel", "wheel_radius_m"} & columns.keys():
         needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-    needed |= {name: name for name in context.needed}
     for name, header in needed.items():
         if name in columns:
             continue
-        known = header.split(maxsplit=1)[0]
-        key, code, fix = known, "RF121", f"add the column {header}"
         message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
-        if near := get_close_matches(known, others, n=1, cutoff=_SLIP):
-            key, code, message = near[0], "RF120", "this column is not known"
-            fix = did_you_mean(near[0], [known])
-        yield table.problem(table.header_line, key, code, message, fix)
+        key, fix = header.split(maxsplit=1)[0], f"add the column {header}"
+        yield table.problem(table.header_line, key, "RF121", message, fix)
+    is_decided = {"why", "by"} <= {*map(cells.word_of, others)}
+    for name in others:
+        yield from table.near_miss(name, QUANTITIES, TEXTS)
+        stem = cells.stem_of(name)
+        if stem == "pick" or (stem == "peak" and is_decided):
+            message, fix = "decisions do not stand in the list", f"write them into {DECISIONS} beside it"
+            yield table.problem(table.header_line, name, "RF120", message, fix)
+        elif stem == "peak":
+            fix = f"write decisions about the break-away into {DECISIONS} beside the list"
+            yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
+    yield from _unnamed_columns(table)
 
 
 def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
@@ -235,21 +203,18 @@ def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | N
     return row.numbers.get("start_s", context.start_s), row.numbers.get("stop_s", context.stop_s)
 
 
-def _check(row: _Row, wrong: Sequence[Problem], context: TrialContext, *, wrong_header: bool) -> bool:
+def _check(row: _Row, wrong: Sequence[Problem], context: TrialContext) -> bool:
     """Record wrong, missing, unknown or contradictory values of a row; return whether there are none."""
     before = len(row.problems)
     row.problems += wrong
-    tensions = [name for name in context.needed if name.endswith("_N")]
-    row.need("file", "wrap_angle_rad", *tensions)
+    row.need("file", "wrap_angle_rad", *context.needed)
     for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
         if (word := row.texts.get(name, "")) and word not in known:
             fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
             fix = did_you_mean(word[:80], known) if known else fix
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
-    _check_wheel(row, context, wrong_header=wrong_header)
-    row.need(*(name for name in context.needed if name not in tensions))
+    _check_wheel(row, context)
     _check_interval(row, context)
-    _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
     return len(row.problems) == before
 
 
@@ -262,63 +227,26 @@ def _check_interval(row: _Row, context: TrialContext) -> None:
         row.say(place, "RF111", message, "give an end after the start")
 
 
-def _check_wheel(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
+def _check_wheel(row: _Row, context: TrialContext) -> None:
     """Take note of a wheel that is neither named nor measured, or both and not alike."""
     wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
     known_m = context.wheels.get(wheel)
-    if not wheel and radius_m is None and not wrong_header:
+    if not wheel and radius_m is None:
         row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
     elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
         message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
         row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
 
 
-def _check_decision(row: _Row, *, alone: bool) -> None:
-    """Record missing or superfluous values of a decision; `alone`: the only trial of its recording."""
-    given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
-    if not given:
-        if "peak_std_N" in row.numbers:
-            row.doubt("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
-        return
-    if len(given) > 1:
-        row.doubt("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
-    for name in ("peak_N", "peak_std_N"):
-        value_N = row.numbers.get(name, 1.0)
-        if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
-            row.doubt(name, "RF110", f"{value_N:g} N is no possible value", "correct the number")
-    for name, what in (("why", "its reason"), ("by", "who took it")):
-        if not row.texts.get(name):
-            row.doubt(name, "RF121", f"a decision needs {what}", f"fill the column {name}")
-    if not alone:
-        message = "one decision cannot stand for several trials of a recording"
-        fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
-        row.doubt(given[0], "RF111", message, fix)
-
-
-def _trial(
-    row: _Row, own: Sequence[str], folder: Path, context: TrialContext, *, whole: bool
-) -> Iterator[TrialSpec]:
-    """Yield a row in SI, with NaN for what one that is not `whole` lacks; nothing where the campaign file lacks it.
-
-    The user's `own` columns are kept, but not used.
-    """
-    wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
-    settings = {
-        "wheel_radius_m": wheel_m,
-        "rope_radius_m": row.numbers.get("rope_radius_m", context.rope_radius_m),
-        "wrap_angle_rad": row.numbers.get("wrap_angle_rad"),
-    }
-    texts = row.texts
-    if not whole:
-        settings = {name: math.nan if value is None else value for name, value in settings.items()}
-        known = {**dict.fromkeys(("cell", "end_cell"), context.cells), "wheel": context.wheels}
-        texts = {name: text for name, text in texts.items() if name not in known or text in known[name]}
-    if None not in settings.values() and row.file:
-        start_s, stop_s = _interval(row, context)
-        of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
-        of_row |= {"trial": row.name, **settings}
-        kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
-        yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+def _trial(row: _Row, own: Sequence[str], folder: Path, context: TrialContext) -> TrialSpec:
+    """Return a row in SI; the user's `own` columns are kept, but not used."""
+    start_s, stop_s = _interval(row, context)
+    given: dict[str, Any] = {"rope_radius_m": context.rope_radius_m, **row.texts, **row.numbers}
+    if "wheel_radius_m" not in given:
+        given["wheel_radius_m"] = context.wheels[given["wheel"]]
+    given |= {"trial": row.name, "start_s": start_s, "stop_s": stop_s}
+    kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
+    return TrialSpec(**given, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
@@ -412,29 +340,19 @@ _Warn = Callable[..., Problem]
 
 
 def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    found: dict[tuple[str, str], list[tuple[str, int]]] = {}
     for trial in trials:
         for key, message, fix in _doubts_of(trial):
-            found.setdefault((key, fix), []).append((message, trial.line))
-    for (key, fix), hits in found.items():
-        more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""
-        message, line = hits[0]
-        yield warn(code="RF140", message=message + more, line=line, key=key, fix=fix)
+            yield warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
 
 
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
     """Yield column, warning and fix of a row."""
-    wheel_m, rope_m, degrees = trial.wheel_radius_m, trial.rope_radius_m, math.degrees(trial.wrap_angle_rad)
+    wheel_m, rope_m = trial.wheel_radius_m, trial.rope_radius_m
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
     if (turns := trial.wrap_angle_rad / math.tau) > 100:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
-    if degrees <= 90 * (1 - 1e-9):
-        said = (
-            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
-        )
-        yield "wrap_angle", said, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
         said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
         yield "exclude", said, "leave the cell empty to keep the trial"

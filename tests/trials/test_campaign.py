@@ -29,7 +29,7 @@ def test_settings_in_si(bench):
     protocol, smoothing = campaign.protocol, campaign.smoothing
     assert (protocol.name, protocol.stop_s, protocol.min_step_N) == ("breakaway", 6.0, 5.0)
     assert campaign.tare_interval_s == (0.0, 0.3)
-    assert (smoothing.mode, smoothing.window_s, smoothing.peak) == ("fixed", 0.01, "smoothed")
+    assert (smoothing.mode, smoothing.window_s) == ("fixed", 0.01)
     assert (campaign.rejection, campaign.weights_tolerance) == ("grubbs", 0.0005)
     assert (campaign.design.wheel_radius_m, campaign.design.wrap_angle_rad) == (0.035, math.radians(400))
     assert campaign.design.end_tension_N == 60.0
@@ -162,7 +162,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     text = json.dumps(resolved, allow_nan=False)
     assert str(tmp_path) not in text
     assert (resolved["folder"], resolved["trials"][0]["file"]) == ("recordings", "recordings/a.csv")
-    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
+    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01}
     assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 
 

@@ -91,19 +91,6 @@ def test_an_own_column_that_a_fit_would_read_gets_another_name(lab, pull_csv, tm
     assert table.rope_radius_std_m.max() < 1e-3
 
 
-def test_a_measured_channel_that_nothing_uses_is_said_once(lab, pull_csv):
-    with_columns(lab, pull_csv)
-    channels = '[import.channels]\ntime = "time_s"\nforce = "force_N"\n'
-    channels += 'wrap_angle = { column = 2, unit = "deg" }\n'
-    lab.path.write_text(lab.path.read_text(encoding="utf-8") + channels, encoding="utf-8")
-    told = [p for p in lab.load().warnings if "not used" in p.message]
-    assert [(p.code, p.severity, p.key) for p in told] == [("RF141", "warning", "import.channels.wrap_angle")]
-    assert "wrap_angle_deg" in told[0].fix
-    used = '[import.derived]\npull = "force + wrap_angle"\n'
-    lab.path.write_text(lab.path.read_text(encoding="utf-8") + used, encoding="utf-8")
-    assert not [p for p in check_campaign(lab.path) if "not used" in p.message]
-
-
 def test_a_trial_table_keeps_what_it_does_not_know_and_doubts_near_misses(tmp_path):
     path = tmp_path / "pulls.csv"
     head = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,weather"

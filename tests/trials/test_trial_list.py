@@ -8,8 +8,9 @@ from ropefric.trials.campaign import load_campaign
 
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {
+    "decision in the list": ("note", "pick_s", "RF120", 1, "pick_s", "do not stand in the list", "decisions.csv"),
     "no unit": ("wrap_angle_deg", "wrap_angle", "RF130", 1, "wrap_angle", "no unit", "wrap_angle_deg"),
-    "small n": ("end_tension_N", "end_tension_n", "RF120", 1, "end_tension_n", "not known", "did you mean 'end_tension_N'?"),
+    "small n": ("end_tension_N", "end_tension_n", "RF121", 1, "end_tension_N", "there is no column end_tension_N", "add the column"),
     "unit of another dimension": ("end_tension_N", "end_tension_mm", "RF130", 1, "end_tension_mm", "'mm' is not a unit of force", "'N'"),
     "mass as tension": ("end_tension_N", "end_tension_kg", "RF130", 1, "end_tension_kg", "'kg' is not a unit of force", "'N'"),
     "knots": ("end_tension_N", "end_tension (kn)", "RF130", 1, "end_tension (kn)", "knot", "'kN'"),
@@ -137,8 +138,7 @@ def test_a_list_without_wheels_table(bench):
 DOUBTS = {
     "radius in metres": ("wheel_radius_mm", "wheel_radius_m", "wheel_radius", "35 m is outside 1 mm to 10 m"),
     "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
-    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "180 turns is probably in another unit (and 2 more rows)"),
-    "short wrap": (",180,", ",60,", "wrap_angle", "60 deg is below the 90 deg that ASTM D3108"),
+    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "turns is probably in another unit"),
     "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
     "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
 }  # fmt: skip
@@ -151,11 +151,8 @@ def test_doubtful_values_are_warnings(bench):
         bench.spoil_table(old, new)
         assert bench.errors() == [], name
         doubts = [p for p in bench.warnings() if p.code == "RF140"]
-        assert [p.key for p in doubts] == ([key] if key else []), name
+        assert {p.key for p in doubts} == ({key} if key else set()), name
         assert all(message in p.message for p in doubts), name
-    bench.write(trials=good)
-    bench.spoil_table(",180,", ",90,")
-    assert bench.warnings() == []  # is enough
 
 
 @pytest.fixture

@@ -3,12 +3,10 @@
 import os
 import re
 import tomllib
-from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ropefric.errors import DataError, Problem
 from ropefric.files.disk import read_file
@@ -92,37 +90,49 @@ def _syntax_error(text: str, message: str, name: str) -> DataError:
     return DataError(f"not valid TOML, {said}{shown}", path=name, line=max(line, 1), fix=_HOW)
 
 
+_BAREKEY = re.compile(r"[A-Za-z0-9_-]++")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
-# Strings first, so that no '#', bracket or line break inside one is taken for TOML's own.
-_TOKEN = re.compile(
-    r'''(?P<string>"""(?:\\.|(?!""")[^\\])*+(?:"""(?:"{0,2}))?|\'\'\'(?:(?!\'\'\').)*+(?:\'\'\'(?:'{0,2}))?'''
-    r"""|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
-    r"""|(?P<comment>\#[^\n]*+)|(?P<newline>\n)|(?P<space>[ \t\r]++)|(?P<mark>[\[\]{},=.])"""
-    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]++)|(?P<other>.)""",
-    re.DOTALL,
-)
+_NAME = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_NAMES = rf"{_NAME}(?:[ \t]*+\.[ \t]*+{_NAME})*+"
+_ONE_NAME = re.compile(_NAME)
+HEADING = re.compile(rf"[ \t]*+(\[\[?)[ \t]*+({_NAMES})[ \t]*+\]\]?[ \t\r]*+(?:#.*+)?")
+KEY = re.compile(rf"[ \t]*+({_NAMES})[ \t]*+=")
+# Long texts; strings and comments beside them, so that no mark within one is taken for the begin of another.
+_LONG = r"'''(?:(?!''').)*+'''(?:'{0,2})|" + r'"""(?:\\.|(?!""")[^\\])*+"""(?:"{0,2})'
+_TEXT = re.compile(rf"""({_LONG})|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+'|\#[^\n]*+""", re.DOTALL)
+
+
+def names_of(key: str) -> tuple[str, ...]:
+    """Return the names of a key as it is written, such as `a."b c"`."""
+    return tuple(one.strip("\"'") for one in _ONE_NAME.findall(key))
 
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
-    r"""Return the 1-based line of every key, table and array element of a TOML text."""
-    return _places(text).lines
+    r"""Return the 1-based line of every table and of every key that begins a line of a TOML text.
 
-
-def value_spans(text: str) -> dict[KeyPath, tuple[int, int]]:
-    """Return from where to where in a TOML text each value is written, by its key."""
-    return _places(text).spans
-
-
-def _places(text: str) -> "_Places":
-    found, table = _Places(text), tuple[str | int, ...]()
-    while found.tokens:
-        if found.tokens[0].kind == "[":
-            table = found.header()
-        else:
-            found.value(found.key(table), "newline")
-            if found.tokens:
-                found.tokens.popleft()
-    return found
+    What stands within a value, such as an element of an array, has the line of its key.
+    """
+    lines, repeats = dict[KeyPath, int](), dict[KeyPath, int]()
+    table: KeyPath = ()
+    bare = _TEXT.sub(lambda found: "\n" * found[0].count("\n") if found[1] else found[0], text)
+    for number, line in enumerate(bare.split("\n"), start=1):
+        heading, key = HEADING.fullmatch(line), KEY.match(line)
+        if heading:
+            table, names = (), names_of(heading[2])
+            for place, name in enumerate(names, start=1):
+                table = (*table, name)
+                lines.setdefault(table, number)
+                if heading[1] == "[[" and place == len(names):
+                    repeats[table] = repeats.get(table, -1) + 1
+                if table in repeats:  # on the way, the latest element of an array of tables
+                    table = (*table, repeats[table])
+                    lines.setdefault(table, number)
+        elif key:
+            path = table
+            for name in names_of(key[1]):
+                path = (*path, name)
+                lines.setdefault(path, number)
+    return lines
 
 
 def key_text(path: KeyPath) -> str:
@@ -135,91 +145,6 @@ def key_text(path: KeyPath) -> str:
             name = part if _BARE_KEY.fullmatch(part) else f'"{part}"'
             text += f".{name}" if text else name
     return text
-
-
-class _Token(NamedTuple):
-    kind: str  # of a mark, the mark
-    text: str
-    line: int
-    start: int
-
-
-def _tokens(text: str) -> Iterator[_Token]:
-    line = 1
-    for match in _TOKEN.finditer(text):
-        kind = match.lastgroup or "other"
-        yield _Token(match[0] if kind == "mark" else kind, match[0], line, match.start())
-        line += match[0].count("\n")
-
-
-def _key_name(token: _Token) -> str:
-    if token.kind != "string":
-        return token.text
-    if "\\" not in token.text:
-        return token.text[1:-1]
-    try:
-        return str(tomllib.loads(f"key = {token.text}")["key"])
-    except tomllib.TOMLDecodeError:
-        return token.text
-
-
-class _Places:
-    """The lines of the places that were read, the stretches of text of their values, and the tokens not read yet."""
-
-    def __init__(self, text: str) -> None:
-        self.tokens = deque(token for token in _tokens(text) if token.kind not in ("comment", "space"))
-        self.lines: dict[KeyPath, int] = {}
-        self.spans: dict[KeyPath, tuple[int, int]] = {}
-        self.end = 0
-        self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
-
-    def key(self, path: KeyPath) -> KeyPath:
-        """Read `a."b".c` and return the place it names below a path."""
-        while self.tokens and self.tokens[0].kind in ("bare", "string", "."):
-            if (token := self.tokens.popleft()).kind != ".":
-                path = (*path, _key_name(token))
-                self.lines.setdefault(path, token.line)
-        return path
-
-    def header(self) -> KeyPath:
-        """Read `[a.b]` or `[[a.b]]`; names on the way mean the latest element of an array of tables."""
-        head: list[_Token] = []
-        while self.tokens and self.tokens[0].kind != "newline":
-            head.append(self.tokens.popleft())
-        is_array = [token.kind for token in head[:2]] == ["[", "["]
-        parts = [token for token in head if token.kind in ("bare", "string")]
-        path: KeyPath = ()
-        for place, token in enumerate(parts, start=1):
-            path = (*path, _key_name(token))
-            self.lines.setdefault(path, token.line)
-            if is_array and place == len(parts):
-                self.repeats[path] = self.repeats.get(path, 0) + 1
-            if path in self.repeats:
-                path = (*path, self.repeats[path] - 1)
-                self.lines.setdefault(path, token.line)
-        return path
-
-    def value(self, path: KeyPath, *ends: str) -> None:
-        """Read up to a mark that ends the value; in it, elements of arrays and keys of inline tables."""
-        start = None
-        while self.tokens and self.tokens[0].kind not in ends:
-            token = self._next()
-            if start is None and token.kind != "=":
-                start = token.start
-            if token.kind in ("string", "bare", "other", "[", "{"):
-                self.lines.setdefault(path, token.line)
-            close = {"[": "]", "{": "}"}.get(token.kind, "")
-            for number in count() if close else ():
-                self.value((*path, number) if close == "]" else self.key(path), ",", close)
-                if not self.tokens or self._next().kind == close:
-                    break
-        if start is not None:
-            self.spans[path] = start, self.end
-
-    def _next(self) -> _Token:
-        token = self.tokens.popleft()
-        self.end = token.start + len(token.text)
-        return token
 
 
 # None of these is a key of any scene.

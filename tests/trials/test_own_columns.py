@@ -45,7 +45,7 @@ def test_names_that_begin_with_a_hash_are_trials_and_comments_stand_above_the_he
     assert [trial.trial for trial in lab.extract().trials] == ["#0", "#1"]
     table.write_text("\n".join([f"trial,{head}", named[0], "# the second day", *named[1:]]))
     (torn,) = (one for one in check_campaign(lab.path) if one.code == "RF103")
-    assert (torn.severity, torn.line, "above the header" in torn.fix) == ("warning", 3, True)
+    assert (torn.severity, torn.line, "above the header" in torn.fix) == ("error", 3, True)
     table.write_text("\n".join([head, f"#{rows[0]}", *rows[1:]]))  # a row as any other
     (missing,) = (one for one in check_campaign(lab.path) if one.severity == "error")
     assert ("#p0.csv is not there" in missing.message, "above the header" in missing.fix) == (True, True)

@@ -199,10 +199,6 @@ PART = ".part"
 _NO_SPACE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _FIXES = {
     **dict.fromkeys(_NO_SPACE, "make room, or choose another place; what stood there before is as it was"),
-    errno.ENAMETOOLONG: "choose a shorter name",
-    errno.EISDIR: "name a file; this is a folder",
-    errno.ENOTDIR: "a part of this path is a file, not a folder; choose another",
-    errno.EEXIST: "a part of this path is a file, not a folder; choose another",
 }
 
 

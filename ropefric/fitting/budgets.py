@@ -203,7 +203,7 @@ def conditions_of_extraction(
         slack, (chain, notes), ratio = kept[0].measures_slack, _instrument(kept), 1.0
         if not weights_tolerance:
             notes.insert(0, "the mass of the weights is assumed to be exact: state weights.tolerance")
-        if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
+        if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule)) < 1.0:
             notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
         sides = ("F_B", "F_A", one.lift_force_N) if slack else ("F_A", "F_B", one.end_tension_N)
         measured = _mean_force(sides[0], np.array([trial.measured_N for trial in kept]), chain, ratio)

@@ -23,7 +23,6 @@ from ropefric.trials.campaign_model import (
 )
 from ropefric.trials.trial_list import (
     MISSING_RECORDING,
-    TrialContext,
     advise,
     radius_doubt,
     read_trials,
@@ -136,7 +135,8 @@ def examine_campaign(
     if _has_error(settings):
         return None, settings
     folder, trial_list = Path(path).parent / model.data, Path(path).parent / model.trial_list
-    trials, found = read_trials(trial_list, folder, _context(model, folder))
+    needed = (*_tension_needed(model), *_cells_needed(model))
+    trials, found = read_trials(trial_list, folder, model, needed)
     problems = settings + tuple(_flagged(found) if flag_missing else found)
     gone = {one.line for one in problems if one.code == MISSING_RECORDING and one.severity == "error"}
     trials = tuple(trial for trial in trials if trial.line not in gone)
@@ -173,20 +173,6 @@ def _document(
         return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
     broken = load_named(document)  # what it declares is not known, so its names would be called wrong
     return (None, broken) if broken else (document, ())
-
-
-def _context(model: CampaignFile, folder: Path) -> TrialContext:
-    """Return what rows depend on."""
-    return TrialContext(
-        folder=folder,
-        needed=(*_tension_needed(model), *_cells_needed(model)),
-        wheels={name: wheel.radius_m for name, wheel in model.wheels.items()},
-        cells=tuple(model.cells),
-        rope_radius_m=model.rope.radius_m,
-        start_s=model.protocol.start_s,
-        stop_s=model.protocol.stop_s,
-        protocol=model.protocol.name,
-    )
 
 
 def _tension_needed(model: CampaignFile) -> tuple[str, ...]:

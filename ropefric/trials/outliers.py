@@ -38,9 +38,8 @@ class OutlierRule:
         `can_reject(n)` returns whether the rule can flag anything at all among n values.
     good_lost : callable
         `good_lost(n)` returns how many values of a clean normal series of n it rejects on average; NaN if not known.
-    trimming : tuple of (n, ratio, share)
-        For clean normal series of n values: expected s of the kept values over σ, and the share of series that
-        lose a value. From simulation, to 0.002.
+    trimming : tuple of (n, ratio)
+        For clean normal series of n values: expected s of the kept values over σ. From simulation, to 0.002.
 
     Examples
     --------
@@ -56,7 +55,7 @@ class OutlierRule:
     judge: Callable[[FloatArray], BoolArray]
     can_reject: Callable[[int], bool]
     good_lost: Callable[[int], float] = lambda _n: math.nan
-    trimming: tuple[tuple[int, float, float], ...] = field(default=(), repr=False)
+    trimming: tuple[tuple[int, float], ...] = field(default=(), repr=False)
 
     def flag(self, values: npt.ArrayLike) -> BoolArray:
         """Return which values are rejected, True for a rejected one; the values are not changed.
@@ -116,10 +115,9 @@ def scaled(values: npt.ArrayLike) -> Scaled:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        text = f"{values!r:.60} is not a series of numbers"
-        raise InputError(text, code="RF311", key="values", fix="give a list of numbers") from None
+        array = np.empty((0, 0))
     if array.ndim != 1:
-        text = f"a series has one dimension, not shape {array.shape}"
+        text = f"{values!r:.60} is not a series of numbers in one dimension"
         raise InputError(text, code="RF311", key="values", fix="give a list of numbers")
     wrong = ~(np.abs(array) <= _LARGEST)
     if wrong.any():
@@ -189,28 +187,28 @@ def _judge_by_grubbs(deviations: FloatArray) -> BoolArray:
     return flagged
 
 
-# n: (s of the kept values over σ, share of series that lose a value) by two-sigma and grubbs.
+# n: s of the kept values over σ by two-sigma and by grubbs.
 _TRIMMING = {
-    3: ((0.886, 0.000), (0.843, 0.050)),
-    4: ((0.922, 0.000), (0.883, 0.050)),
-    5: ((0.941, 0.000), (0.905, 0.049)),
-    6: ((0.949, 0.004), (0.920, 0.050)),
-    7: ((0.926, 0.061), (0.931, 0.050)),
-    8: ((0.912, 0.122), (0.939, 0.050)),
-    9: ((0.904, 0.180), (0.947, 0.050)),
-    10: ((0.899, 0.234), (0.951, 0.050)),
-    11: ((0.895, 0.285), (0.955, 0.050)),
-    12: ((0.894, 0.334), (0.959, 0.050)),
-    15: ((0.890, 0.462), (0.967, 0.050)),
-    20: ((0.886, 0.626), (0.975, 0.050)),
-    30: ((0.883, 0.821), (0.983, 0.050)),
-    50: ((0.882, 0.960), (0.989, 0.050)),
-    100: ((0.881, 0.999), (0.994, 0.050)),
+    3: (0.886, 0.843),
+    4: (0.922, 0.883),
+    5: (0.941, 0.905),
+    6: (0.949, 0.920),
+    7: (0.926, 0.931),
+    8: (0.912, 0.939),
+    9: (0.904, 0.947),
+    10: (0.899, 0.951),
+    11: (0.895, 0.955),
+    12: (0.894, 0.959),
+    15: (0.890, 0.967),
+    20: (0.886, 0.975),
+    30: (0.883, 0.983),
+    50: (0.882, 0.989),
+    100: (0.881, 0.994),
 }
 
 
-def _trimming(column: int) -> tuple[tuple[int, float, float], ...]:
-    return tuple((n, *row[column]) for n, row in _TRIMMING.items())
+def _trimming(column: int) -> tuple[tuple[int, float], ...]:
+    return tuple((n, row[column]) for n, row in _TRIMMING.items())
 
 
 RULES: Registry[OutlierRule] = Registry(
@@ -249,14 +247,6 @@ RULES: Registry[OutlierRule] = Registry(
     ],
 )
 """Every rule: two-sigma (the paper's, the default), grubbs, none."""
-
-
-class Trimming(NamedTuple):
-    """The effect of a rule on clean normal series of n values."""
-
-    ratio: float
-    bias: float
-    share: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -310,10 +300,8 @@ def summarise(values: npt.ArrayLike, rule: OutlierRule | str = "two-sigma") -> R
     n, n_kept = rejected.size, kept.deviations.size
     warning, note = rule.warning(n), ""
     if n_kept < n:
-        clean = trimming_bias(n, rule)
-        lost = f"a good value from {100 * clean.share:.0f} % of clean normal series of n = {n}"
-        low = f"s of what it keeps reads {-100 * clean.bias:.0f} % low on average"
-        note = f"{rule.label} takes {lost}, and {low}"
+        low = f"s of what it keeps reads {-100 * trimming_bias(n, rule):.0f} % low on average"
+        note = f"{rule.label} rejected {n - n_kept} of {n}: in clean normal series {low}"
     return Repeatability(
         rule=rule.name,
         n=n,
@@ -328,8 +316,8 @@ def summarise(values: npt.ArrayLike, rule: OutlierRule | str = "two-sigma") -> R
     )
 
 
-def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> Trimming:
-    """Return what a rule does to clean normal series: how low s reads, and how often a good value is lost.
+def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> float:
+    """Return by what share s reads low, below zero, where a rule is applied to clean normal series of n values.
 
     Interpolated in 1/n from the rule's table of simulated values, which holds 3 to 100 values; above 100 the last
     entry is used.
@@ -338,10 +326,9 @@ def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> Trimming:
         raise InputError(f"a series of {n} has no scatter", code="RF313", fix="use two values or more")
     if isinstance(rule, str):
         rule = RULES[rule]
+    if not rule.trimming or not rule.can_reject(n):
+        return 0.0
     # E[s]/σ of untrimmed normal series (c4 of control charts): s itself reads low for few values.
     untrimmed = math.sqrt(2.0 / (n - 1)) * math.exp(math.lgamma(n / 2.0) - math.lgamma((n - 1) / 2.0))
-    if not rule.trimming or not rule.can_reject(n):
-        return Trimming(ratio=untrimmed, bias=0.0, share=0.0)
-    sizes, *simulated = (np.array(column) for column in zip(*reversed(rule.trimming), strict=True))
-    ratio, share = (float(np.interp(1.0 / n, 1.0 / sizes, values)) for values in simulated)
-    return Trimming(ratio=ratio, bias=ratio / untrimmed - 1.0, share=share)
+    sizes, ratios = (np.array(column) for column in zip(*reversed(rule.trimming), strict=True))
+    return float(np.interp(1.0 / n, 1.0 / sizes, ratios)) / untrimmed - 1.0

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain, count
 from pathlib import Path, PurePath, PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ropefric.friction.condition import condition_groups
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.trials import cells
-from ropefric.trials.campaign_model import DECISIONS, TrialSpec
+from ropefric.trials.campaign_model import DECISIONS, CampaignFile, Protocol, TrialSpec
 from ropefric.trials.decisions import Decision, read_decisions
 
 MISSING_RECORDING = "RF124"
@@ -43,22 +43,6 @@ _MEANINGS = {
     "cell": "a force cell, for its recording is in counts",
     "end_cell": "the force cell of its slack side, which is in counts",
 }
-
-
-class TrialContext(NamedTuple):
-    """The parts of the campaign file that rows depend on.
-
-    `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
-    """
-
-    folder: Path
-    needed: tuple[str, ...]
-    wheels: Mapping[str, float]
-    cells: tuple[str, ...]
-    rope_radius_m: float
-    start_s: float | None
-    stop_s: float | None
-    protocol: str
 
 
 class _Row:
@@ -98,15 +82,18 @@ class _Row:
 
 
 def read_trials(
-    path: str | os.PathLike[str], folder: Path, context: TrialContext
+    path: str | os.PathLike[str], folder: Path, campaign: CampaignFile, needed: Sequence[str]
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows of a list that can be used, about recordings in a folder, and all that is wrong."""
+    """Return the rows of a list that can be used, about recordings in a folder, and all that is wrong.
+
+    `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
+    """
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
         return (), error.problems
     columns, others, refused = table.bind(QUANTITIES, TEXTS)
-    header = refused or [*_check_header(table, columns, others, context)]
+    header = refused or [*_check_header(table, columns, others, needed)]
     problems = [*torn, *header]
     if any(one.severity == "error" for one in header):
         return (), tuple(problems)
@@ -116,13 +103,13 @@ def read_trials(
     numbers, wrong = table.numbers(columns)
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
     _refuse_twice(rows)
-    _refuse_missing(rows, context.folder)
+    _refuse_missing(rows, folder)
     _name(rows)
-    problems += _decide(rows, Path(path).with_name(DECISIONS), context.protocol)
+    problems += _decide(rows, Path(path).with_name(DECISIONS), campaign.protocol.name)
     trials = list[TrialSpec]()
     for place, row in enumerate(rows):
-        if _check(row, wrong[place], context):
-            trials.append(_trial(row, others, folder, context))
+        if _check(row, wrong[place], campaign, needed):
+            trials.append(_trial(row, others, folder, campaign))
         problems += row.problems
     return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
@@ -164,10 +151,10 @@ def _wrong_decision(decision: Decision, *, alone: bool) -> Iterator[tuple[str, s
 
 
 def _check_header(
-    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext
+    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], asked: Sequence[str]
 ) -> Iterator[Problem]:
     """Yield that needed columns are missing, likely meanings of unknown ones, and decisions that stand elsewhere."""
-    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in context.needed}
+    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in asked}
     if not {"wheel", "wheel_radius_m"} & columns.keys():
         needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
     for name, header in needed.items():
@@ -199,38 +186,38 @@ def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
             yield table.problem(held[0], "", "RF120", message, fix)
 
 
-def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | None]:
-    return row.numbers.get("start_s", context.start_s), row.numbers.get("stop_s", context.stop_s)
+def _interval(row: _Row, protocol: Protocol) -> tuple[float | None, float | None]:
+    return row.numbers.get("start_s", protocol.start_s), row.numbers.get("stop_s", protocol.stop_s)
 
 
-def _check(row: _Row, wrong: Sequence[Problem], context: TrialContext) -> bool:
+def _check(row: _Row, wrong: Sequence[Problem], campaign: CampaignFile, needed: Sequence[str]) -> bool:
     """Record wrong, missing, unknown or contradictory values of a row; return whether there are none."""
     before = len(row.problems)
     row.problems += wrong
-    row.need("file", "wrap_angle_rad", *context.needed)
-    for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
+    row.need("file", "wrap_angle_rad", *needed)
+    for name, known in (("wheel", campaign.wheels), ("cell", campaign.cells), ("end_cell", campaign.cells)):
         if (word := row.texts.get(name, "")) and word not in known:
             fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
             fix = did_you_mean(word[:80], known) if known else fix
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
-    _check_wheel(row, context)
-    _check_interval(row, context)
+    _check_wheel(row, campaign)
+    _check_interval(row, campaign.protocol)
     return len(row.problems) == before
 
 
-def _check_interval(row: _Row, context: TrialContext) -> None:
+def _check_interval(row: _Row, protocol: Protocol) -> None:
     """Take note of a part of the recording that ends before it begins."""
-    start_s, stop_s = _interval(row, context)
+    start_s, stop_s = _interval(row, protocol)
     if start_s is not None and stop_s is not None and not start_s < stop_s:
         place = "stop_s" if "stop_s" in row.columns else "start_s"
         message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
         row.say(place, "RF111", message, "give an end after the start")
 
 
-def _check_wheel(row: _Row, context: TrialContext) -> None:
+def _check_wheel(row: _Row, campaign: CampaignFile) -> None:
     """Take note of a wheel that is neither named nor measured, or both and not alike."""
     wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
-    known_m = context.wheels.get(wheel)
+    known_m = campaign.wheels[wheel].radius_m if wheel in campaign.wheels else None
     if not wheel and radius_m is None:
         row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
     elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
@@ -238,12 +225,12 @@ def _check_wheel(row: _Row, context: TrialContext) -> None:
         row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
 
 
-def _trial(row: _Row, own: Sequence[str], folder: Path, context: TrialContext) -> TrialSpec:
+def _trial(row: _Row, own: Sequence[str], folder: Path, campaign: CampaignFile) -> TrialSpec:
     """Return a row in SI; the user's `own` columns are kept, but not used."""
-    start_s, stop_s = _interval(row, context)
-    given: dict[str, Any] = {"rope_radius_m": context.rope_radius_m, **row.texts, **row.numbers}
+    start_s, stop_s = _interval(row, campaign.protocol)
+    given: dict[str, Any] = {"rope_radius_m": campaign.rope.radius_m, **row.texts, **row.numbers}
     if "wheel_radius_m" not in given:
-        given["wheel_radius_m"] = context.wheels[given["wheel"]]
+        given["wheel_radius_m"] = campaign.wheels[given["wheel"]].radius_m
     given |= {"trial": row.name, "start_s": start_s, "stop_s": stop_s}
     kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
     return TrialSpec(**given, path=folder / row.file, line=row.line, own=kept)
@@ -395,7 +382,7 @@ def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]
 
 # --- a list of trials from the names of the recordings ---
 
-_DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
+_DIGITS = re.compile(r"([0-9]+)")
 _GROUP = re.compile(r"\{(\w+)\}")
 _DIGITS_OF = r"[+-]?\d+(?:[.,]\d+)?"
 _SHOWN = 3
@@ -405,13 +392,16 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
     """Return a list of trials of the files that a glob pattern finds, and notes on names that do not match.
 
     In the pattern of names, `{wrap_angle_deg}` matches a number or, where a column of that name holds text, for
-    words; `*` matches anything. A pattern with `(?P<name>...)` is a regular expression. Names of groups are headers
-    of the list, with their units. Without "/" it is compared with the file's name, with or without its ending.
+    words; `*` matches anything.
+    Names are headers of the list, with their units. Without "/" the pattern is compared with the file's name, with or
+    without its ending.
     """
     paths = glob.glob(files, recursive=True)  # noqa: PTH207  (whole paths too, which Path.glob refuses)
     found = sorted((path for path in paths if Path(path).is_file()), key=_natural)
     if not found:
-        raise DataError("no file matches", path=files, fix=_what_is_there(files))
+        raise DataError(
+            "no file matches", path=files, fix="check the folder, and quote the pattern: 'daq/*.csv'"
+        )
     compiled = _compiled(pattern)
     parts = {path: _match(compiled, pattern, path) if compiled else {} for path in found}
     rows = [
@@ -453,23 +443,11 @@ def _natural(path: str) -> tuple[list[tuple[int, str]], str]:
     return [(int(part), "") if part.isdigit() else (-1, part) for part in _DIGITS.split(path)], path
 
 
-def _what_is_there(files: str) -> str:
-    """Return what the folder holds that a glob pattern names."""
-    folder = Path(_WILD.split(files)[0])
-    folder = folder if folder.is_dir() else folder.parent
-    names = sorted(path.name for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-    more = f", such as {', '.join(names[:_SHOWN])}" if names else "; quote the pattern, 'daq/*.csv'"
-    return f"{folder.as_posix()} holds {counted(len(names), 'file')}{more}"
-
-
 def _compiled(pattern: str) -> re.Pattern[str] | None:
-    text = pattern
-    if "(?P<" not in pattern:
-        parts = _GROUP.split(pattern)
-        text = "".join(
-            f"(?P<{part}>{_of_column(part)})" if place % 2 else re.escape(part).replace(r"\*", ".*?")
-            for place, part in enumerate(parts)
-        )
+    text = "".join(
+        f"(?P<{part}>{_of_column(part)})" if place % 2 else re.escape(part).replace(r"\*", ".*?")
+        for place, part in enumerate(_GROUP.split(pattern))
+    )
     try:
         found = re.compile(text)
     except re.error as error:

@@ -76,7 +76,7 @@ def test_what_is_refused_is_named():
         assert error.value.code == "RF311"
         with pytest.raises(InputError, match="not a series of numbers"):
             rule.flag(["a"])
-        with pytest.raises(InputError, match="one dimension"):
+        with pytest.raises(InputError, match="in one dimension"):
             rule.flag([[1.0, 2.0]])
 
 

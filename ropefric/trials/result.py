@@ -19,6 +19,7 @@ from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import ForceTrace
+from ropefric.traces.zero import MATTERS
 from ropefric.trials import numbers
 from ropefric.trials.campaign_model import Campaign, TrialRow
 from ropefric.trials.cells import QUANTITIES, stem_of
@@ -256,6 +257,7 @@ NOT_ABOVE = "F_A is not above F_B"
 def summarised(campaign: Campaign, trials: Sequence[TrialResult]) -> Extraction:
     """Return trials as the extraction of their campaign: by condition, with what its rule rejects marked."""
     marked, conditions, doubts = summarise_conditions(trials, campaign.rejection)
+    doubts += tuple(_meaning_of_rest(marked)) if campaign.protocol.rest == "unknown" else ()
     problems = (*campaign.warnings, *(problem for trial in marked for problem in trial.problems), *doubts)
     return Extraction(name=campaign.name, trials=marked, conditions=conditions, problems=problems)
 
@@ -340,6 +342,8 @@ def _settings_of(trial: TrialResult) -> str:
     return f"{size}, wrap {wrap_deg:.4g} deg, {force} = {trial.known_N:.4g} N"
 
 
+FEWEST, LEAST_STD = 6, 0.02
+"""Trials that say what a force at rest is; the smallest standard error of the power of F_B."""
 UNSTATED = 0.02
 """How far a measured end tension may be from what was hung, as a part of it, unless both are stated."""
 
@@ -358,6 +362,38 @@ def _not_as_hung(trials: Sequence[TrialResult]) -> Iterator[Problem]:
         message = f"the end tension measured is {measured_N:.4g} N, the weight of the list {hung_N:.4g} N"
         fix = "check the zero and the unit of the channel, the weight, and what the rope itself weighs"
         yield Problem(code="RF243", message=message, key="end_tension", fix=fix, severity="warning")
+
+
+def _meaning_of_rest(trials: Sequence[TrialResult]) -> Iterator[Problem]:
+    """Yield whether the forces at rest are errors of the zero, alike for all, or pretensions, in step with F_B."""
+    there = [one for one in trials if one.breakaway.rest_N > 0.0 and not one.measures_slack]
+    rest_N, tension_N = np.array([(one.breakaway.rest_N, one.known_N) for one in there]).reshape(-1, 2).T
+    if len(there) < FEWEST or not any(_rest_matters(one.breakaway) for one in there):
+        return
+    x, y = np.log(tension_N) - np.log(tension_N).mean(), np.log(rest_N)
+    if np.ptp(x) < np.log(2.0):
+        return
+    slope = float(x @ y / (x @ x))
+    left = y - y.mean() - slope * x
+    std = max(math.sqrt(float(left @ left) / (len(there) - 2) / float(x @ x)), LEAST_STD)
+    is_same, grows = (abs(slope - other) < 3.0 * std for other in (0.0, 1.0))
+    if is_same == grows:
+        return
+    seen = f"the rope at rest reads {rest_N.min():.3g} to {rest_N.max():.3g} N in {len(there)} trials"
+    how = f"{seen} and follows F_B^{slope:.2f} (standard error {std:.2f})"
+    said = (
+        "the same for all end tensions: an error of the zero"
+        if is_same
+        else "as the end tension: a pretension"
+    )
+    fix = f'set [protocol] rest = "{"zero" if is_same else "pretension"}" in campaign.toml'
+    yield Problem(code="RF245", message=f"{how}, {said}", key="rest", fix=fix, severity="warning")
+
+
+def _rest_matters(found: Breakaway) -> bool:
+    """Return whether a force at rest changes F_A by more than may be left open."""
+    highest_N = max((one.force_N for one in found.candidates), default=found.peak_N)
+    return found.rest_N > MATTERS * highest_N
 
 
 def _mean(values: Sequence[float]) -> float:

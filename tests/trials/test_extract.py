@@ -21,6 +21,7 @@ from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 from ropefric.trials.workers import guarded
+from tests.trials.conftest import pull
 
 BIAS = 3e-3
 
@@ -248,3 +249,25 @@ def test_hash_and_numbers_come_from_the_same_bytes(lab, pull_csv, monkeypatch, *
     assert trial.sha256 == hashlib.sha256(read_bytes).hexdigest()
     (again,) = lab.extract().trials
     assert (again.sha256, again.peak_N) == (hashlib.sha256(other).hexdigest(), pytest.approx(150, rel=0.01))
+
+
+@pytest.mark.parametrize(
+    ("share", "zero_N", "setting"), [(0.15, 0.0, "pretension"), (0.0, 4.0, "zero"), (0.1, 2.0, "")]
+)
+def test_a_campaign_says_what_its_forces_at_rest_are(lab, share, zero_N, setting):
+    """In step with F_B they are pretensions, alike errors of the zero; between the two nobody can say."""
+    rows = []
+    for seed, tension_N in enumerate((10, 20, 40, 10, 20, 40)):
+        time_s, force_N = pull(2.0 * tension_N, seed=seed)
+        rest_N = share * tension_N * (1.0 + 0.02 * (seed > 2)) + zero_N
+        lab.record(
+            f"{seed}.csv", time_s=time_s, force_N=np.maximum(force_N, rest_N) if share else force_N + zero_N
+        )
+        rows.append(lab.row(f"{seed}.csv", end_tension_N=tension_N))
+    said = [one for one in lab.write(rows).extract().problems if one.code == "RF245"]
+    assert [one.fix for one in said] == [f'set [protocol] rest = "{setting}" in campaign.toml'] * bool(
+        setting
+    )
+    if setting == "zero":
+        answered = lab.write(rows, '[protocol]\nrest = "zero"').extract()
+        assert "RF245" not in codes(answered)

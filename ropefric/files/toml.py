@@ -76,8 +76,24 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
     return TomlDocument(path=name, data=data, lines=toml_lines(text))
 
 
+_QUOTED = 'put text and quantities in quotes: "40 mm"'
+_CLOSE = "close the quote"
+# How a message of tomllib begins, what it means, and what to do.
+_MEANINGS = (
+    ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
+    ("Cannot declare", "this table is given a second time", "join both under one heading"),
+    ("Invalid value", "the value is not TOML", _QUOTED),
+    ("Expected newline or end", "something follows the value", _QUOTED),
+    ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
+    ("Illegal character", "a character is not allowed here, or a quote is not closed", _CLOSE),
+    (("Unterminated string", 'Expected \'"""\''), "a quote is not closed", _CLOSE),
+    ("Unescaped '\\'", "there is a lone backslash in the text", "use / in paths, or single quotes"),
+)
+_ANY = 'write each key once, as radius = "40 mm", and close quotes and brackets'
 _PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
-_HOW = 'write each key once, as radius = "40 mm": text and quantities in quotes, paths with /; close quotes and brackets'
+_BARE_QUANTITY = re.compile(
+    r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
+)
 
 
 def _syntax_error(text: str, message: str, name: str) -> DataError:
@@ -87,10 +103,14 @@ def _syntax_error(text: str, message: str, name: str) -> DataError:
     # tomllib points behind a line break where a value or key is missing at the end of the line before.
     written = rows[line - 1].strip() if line <= len(rows) else ""
     said, shown = message.partition(" (at ")[0], f": {written[:80]}" if written else ""
-    return DataError(f"not valid TOML, {said}{shown}", path=name, line=max(line, 1), fix=_HOW)
+    said, fix = next(
+        ((meaning, fix) for start, meaning, fix in _MEANINGS if said.startswith(start)), (said, _ANY)
+    )
+    if bare := _BARE_QUANTITY.fullmatch(written):
+        fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
+    return DataError(f"not valid TOML, {said}{shown}", path=name, line=max(line, 1), fix=fix)
 
 
-_BAREKEY = re.compile(r"[A-Za-z0-9_-]++")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
 _NAME = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _NAMES = rf"{_NAME}(?:[ \t]*+\.[ \t]*+{_NAME})*+"

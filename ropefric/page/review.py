@@ -493,7 +493,7 @@ class Review:
         """Return the force that a trial would have with its break-away at a time; nothing is written."""
         state, spec, was = self._seen(trial)
         _refuse_unread(was)
-        decided = replace(spec, pick_s=pick_s, peak_N=None, exclude="", why="-", by="-")
+        decided = replace(spec, pick_s=pick_s, peak_N=None, peak_std_N=None, exclude="", why="-", by="-")
         one = state.campaign.model_copy(update={"trials": (decided,), "warnings": ()})
         result = extract_rows(one, trusted=True)[spec.trial][0]
         _refuse_unread(result)

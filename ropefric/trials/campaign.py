@@ -1,5 +1,6 @@
 """From campaign.toml and its trial list to a `Campaign`, or to everything that is wrong with them."""
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -8,6 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from ropefric.errors import PATH, DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import kind_of_file, write_files
 from ropefric.files.toml import TomlDocument, is_scene, parse_toml, read_toml
@@ -15,11 +18,17 @@ from ropefric.files.toml_edit import Keys, with_values
 from ropefric.files.toml_model import validate_document
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
+from ropefric.traces.breakaway import SIDES
+from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.signals import COUNTS, signal_unit
 from ropefric.trials.campaign_model import (
     AboutTable,
     Campaign,
     CampaignFile,
+    Protocol,
+    Rope,
+    Round,
+    protocol_names,
 )
 from ropefric.trials.trial_list import (
     MISSING_RECORDING,
@@ -122,25 +131,28 @@ def examine_campaign(
     """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
 
     `content` takes the place of what the campaign file contains, to check a change before it is written.
-    With an error in its list, it has the trials of the good rows whose recordings are there, to check them.
+    With an error in its list, it has the trials of wrong rows too, but only those whose recordings are there, to check
+    these; unknown values are NaN.
     """
     document, unread = _document(path, content)
     if document is None:
         return None, unread
     model, wrong = validate_document(CampaignFile, document)
-    if model is None:
-        return None, wrong
-    doubtful = (*_check_force(document, model), *_check_model(document, model))
-    settings = tuple(sorted(doubtful, key=lambda p: (p.line or 0, p.key, p.message)))
-    if _has_error(settings):
+    doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
+    settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))
+    trials_path, data = document.data.get("trials"), document.data.get("data", ".")
+    if not isinstance(trials_path, str):
         return None, settings
-    folder, trial_list = Path(path).parent / model.data, Path(path).parent / model.trial_list
-    needed = (*_tension_needed(model), *_cells_needed(model))
-    trials, found = read_trials(trial_list, folder, model, needed)
+    folder = Path(path).parent / (data if isinstance(data, str) else ".")
+    trial_list = Path(path).parent / trials_path
+    trials, found = read_trials(trial_list, folder, model or _made_out(document), _needed(document))
     problems = settings + tuple(_flagged(found) if flag_missing else found)
-    gone = {one.line for one in problems if one.code == MISSING_RECORDING and one.severity == "error"}
-    trials = tuple(trial for trial in trials if trial.line not in gone)
-    if not _has_error(problems):
+    if model is None or _has_error(settings):
+        return None, problems
+    if _has_error(problems):
+        gone = {one.line for one in problems if one.code == MISSING_RECORDING}
+        trials = tuple(trial for trial in trials if trial.line not in gone)
+    else:
         alone = model.protocol.name in {"breakaway", "two-way"}
         problems += advise(trials, trial_list.as_posix(), rule=model.rejection, one_trial_each=alone)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
@@ -175,36 +187,58 @@ def _document(
     return (None, broken) if broken else (document, ())
 
 
-def _tension_needed(model: CampaignFile) -> tuple[str, ...]:
-    """Return the column of the list with the tension that is known of each trial."""
-    if model.protocol.needs_lift_force:
+def _made_out(document: TomlDocument) -> CampaignFile:
+    """Return what rows depend on of a file with errors: what its wheels and cells are called, all else as by default."""
+    return CampaignFile.model_construct(
+        wheels=dict.fromkeys(document.table("wheels"), Round.model_construct()),
+        cells=dict.fromkeys(document.table("cells")),
+        rope=Rope.model_construct(),
+        protocol=Protocol(),
+    )
+
+
+def _needed(document: TomlDocument) -> tuple[str, ...]:
+    """Return the columns of the list with the tension that is known of each trial, and with its force cells."""
+    needing = _cells_needed(document).items()
+    named = (column for column, name in needing if name in COUNTS or document.table("cells"))
+    return (*_tension_needed(document), *named)
+
+
+def _tension_needed(document: TomlDocument) -> tuple[str, ...]:
+    """Return the column of the list with the tension that is known of each trial, as far as the protocol is known."""
+    protocol = document.table("protocol")
+    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
+    if not (isinstance(name, str) and name in protocol_names() and side in SIDES):
+        return ()
+    if Protocol(name=name, side=side).needs_lift_force:
         return ("lift_force_N",)
-    measured = (*model.profile.channels, *model.profile.derived)
+    measured = (*document.table("import", "channels"), *document.table("import", "derived"))
     is_measured = any("end_tension" in channel for channel in measured)
-    return () if model.protocol.name == "two-way" or is_measured else ("end_tension_N",)
+    return () if name == "two-way" or is_measured else ("end_tension_N",)
 
 
-def _cells_needed(model: CampaignFile) -> dict[str, str]:
+def _cells_needed(document: TomlDocument) -> dict[str, str]:
     """Return the columns of the list that must name a cell, with the channel that needs it."""
-    channels, found = model.profile.channels, dict[str, str]()
+    channels, found = document.table("import", "channels"), dict[str, str]()
     for column, counts, force in (("cell", *COUNTS[:1], "force"), ("end_cell", *COUNTS[1:], "end_tension")):
         given = channels.get(force)
+        volts = isinstance(given, dict) and not given.get("sensitivity") and str(given.get("unit", ""))
         if counts in channels:
             found[column] = counts
-        elif given and given.unit and not given.sensitivity and signal_unit(force, given.unit):
+        elif volts and signal_unit(force, volts):
             found[column] = force
     return found
 
 
-def _check_force(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
-    """Yield what a force in counts or volts lacks."""
-    needed = [*_cells_needed(model).values()]
+def _check_document(document: TomlDocument) -> Iterator[Problem]:
+    """Yield contradictions between the tables of a campaign file."""
+    needed = [*_cells_needed(document).values()]
     for name in needed[:1]:
         key, what = ("import", "channels", name), "counts" if name in COUNTS else "volts"
-        if what == "counts" and model.adc is None:
+        if what == "counts" and "adc" not in document.data:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
-        if not model.cells:
+        if not document.data.get("cells"):
             fix, missing = 'add [cells.K1] with full_scale = "1 kN"', "a force cell"
             if what == "volts":
                 missing = "its sensitivity, or a force cell"
@@ -212,15 +246,31 @@ def _check_force(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
                     f'write sensitivity = "25 N/mV" beside the unit, or {fix}, and name the cell in the list'
                 )
             yield document.problem(key, "RF121", f"a force in {what} needs {missing}", fix=fix)
+    yield from _check_formulas(document)
+    name = document.data.get("data", ".")
+    folder = Path(document.path).parent / (name if isinstance(name, str) else "")
+    if kind_of_file(folder) != "folder":
+        fix = "write the folder relative to the campaign file"
+        yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
+
+
+def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
+    """Try every formula on recordings without a single value, so that only the formula itself can fail."""
+    nothing = np.full(3, math.nan)
+    known = dict.fromkeys(document.table("import", "channels"), nothing)
+    constants = dict.fromkeys(document.table("import", "constants"), math.nan)
+    for name, formula in document.table("import", "derived").items() if known else ():
+        try:
+            evaluate_derived({name: formula} if isinstance(formula, str) else {}, known, constants)
+        except DataError as error:
+            key = ("import", "derived", name)
+            yield document.problem(key, error.code, error.problem.message, fix=error.fix)
+        known[name] = nothing
 
 
 def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield errors and warnings of a campaign file whose tables are right by themselves."""
     warn = partial(document.problem, warning=True)
-    folder = Path(document.path).parent / model.data
-    if kind_of_file(folder) != "folder":
-        fix = "write the folder relative to the campaign file"
-        yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
     profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
     if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:
         message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"

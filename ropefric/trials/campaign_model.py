@@ -380,6 +380,7 @@ class TrialSpec(TrialRow):
     exclude: str = ""
     pick_s: float | None = None
     peak_N: float | None = None
+    peak_std_N: float | None = None
 
     @property
     def decision(self) -> str:

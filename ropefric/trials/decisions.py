@@ -1,8 +1,8 @@
 """Decisions of people about trials: decisions.csv beside the list of trials, written by the tool.
 
-A line is a decision. The last one of a trial holds, and replaces what the list says of excluding it; a line without
-a decision takes back the one before. A decision is appended in one piece: lines in the file, also those that others
-append meanwhile, are never written again.
+A line is a decision. The last one of a trial holds, and replaces all its columns in the list: pick_s,
+peak_N, exclude, why and by; a line without a decision takes back the one before. A decision is appended in
+one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ class Decision(NamedTuple):
 
 
 def decision_of(spec: TrialSpec) -> Decision:
-    """Return the current decision on a trial."""
+    """Return the current decision on a trial, from the list or from decisions.csv."""
     return Decision(*(getattr(spec, name) for name in Decision._fields[:-1]))
 
 

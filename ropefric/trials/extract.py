@@ -232,7 +232,7 @@ STATUS_CODES = {
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
 STATED_SHARE = 0.01
-"""Standard uncertainty of a force that a person states, as a fraction of it."""
+"""Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
 SLACK_SAMPLES = 20
 """Fewest samples before the break-away that give the slack tension at it."""
@@ -363,9 +363,11 @@ def _with_end_tension(trace: ForceTrace, found: Breakaway) -> Breakaway:
 
 def _given(spec: TrialSpec) -> Breakaway:
     """Return the break-away force that a person states."""
-    peak_N = nan if spec.peak_N is None else spec.peak_N
-    notes = (f"its standard uncertainty is taken as {STATED_SHARE:.0%} of peak_N",)
-    return Breakaway(status=Status.OK, peak_N=peak_N, peak_std_N=STATED_SHARE * peak_N, notes=notes)
+    peak_N, std_N, notes = nan if spec.peak_N is None else spec.peak_N, spec.peak_std_N, tuple[str, ...]()
+    if std_N is None:
+        std_N = STATED_SHARE * peak_N
+        notes = (f"no peak_std_N is given: taken as {STATED_SHARE:.0%} of peak_N",)
+    return Breakaway(status=Status.OK, peak_N=peak_N, peak_std_N=std_N, notes=notes)
 
 
 def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:

@@ -27,7 +27,7 @@ MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
 FEWEST_REPEATS = 6
 
-TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note")
+TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
 QUANTITIES = {
     **cells.SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
@@ -35,7 +35,10 @@ QUANTITIES = {
     "dwell": ("dwell_s", "s", 1.0),
     "from": ("start_s", "s", 1.0),
     "until": ("stop_s", "s", 1.0),
+    "pick": ("pick_s", "s", 1.0),
 }
+_DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
+"""Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     **cells.POSITIVE,
     "file": "the recording it was made of",
@@ -58,14 +61,28 @@ class _Row:
         # Lists written on Windows name folders with backslashes.
         self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
         self.name = self.texts.get("trial", "")
+        self.decided: tuple[Decision, cells.CellTable] | None = None
 
-    def decide(self, decision: Decision) -> None:
+    def decide(self, decision: Decision, of: cells.CellTable) -> None:
         """Let a decision stand in place of what the row itself says."""
+        if decision.peak_N is None or not math.isclose(self.numbers.get("peak_N", 0.0), decision.peak_N):
+            self.numbers.pop("peak_std_N", None)
+        for name in ("pick_s", "peak_N"):
+            self.numbers.pop(name, None)
         given = {"pick_s": decision.pick_s, "peak_N": decision.peak_N}
         self.numbers |= {name: value for name, value in given.items() if value is not None}
         self.texts |= {name: getattr(decision, name) for name in ("exclude", "why", "by", "when")}
         if decision.is_empty:
             self.texts["by"] = self.texts["when"] = ""
+        self.decided = decision, of
+
+    def doubt(self, name: str, code: str, message: str, fix: str) -> None:
+        """Record an error of a decision where that stands."""
+        if self.decided is None:
+            self.say(name, code, message, fix)
+        else:
+            decision, table = self.decided
+            self.problems.append(table.problem(decision.line, name, code, message, fix))
 
     def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
         """Record an error of a column."""
@@ -84,37 +101,37 @@ class _Row:
 def read_trials(
     path: str | os.PathLike[str], folder: Path, campaign: CampaignFile, needed: Sequence[str]
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows of a list that can be used, about recordings in a folder, and all that is wrong.
+    """Return the rows of a list about recordings in a folder, and all that is wrong.
 
+    Of wrong rows, whose recordings can yet be looked at, unknown numbers are NaN.
     `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
     """
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
         return (), error.problems
-    columns, others, refused = table.bind(QUANTITIES, TEXTS)
-    header = refused or [*_check_header(table, columns, others, needed)]
-    problems = [*torn, *header]
-    if any(one.severity == "error" for one in header):
-        return (), tuple(problems)
+    decided = _DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
+    columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
+    problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else needed)]
     if not torn and not table.rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
     _refuse_twice(rows)
-    _refuse_missing(rows, folder)
+    if kind_of_file(folder) == "folder":
+        _refuse_missing(rows, folder)
     _name(rows)
-    problems += _decide(rows, Path(path).with_name(DECISIONS), campaign.protocol.name)
-    trials = list[TrialSpec]()
+    problems += _decide(rows, Path(path).with_name(DECISIONS))
     for place, row in enumerate(rows):
-        if _check(row, wrong[place], campaign, needed):
-            trials.append(_trial(row, others, folder, campaign))
+        row.problems += wrong[place]
+        _check(row, campaign, needed, wrong_header=bool(refused))
         problems += row.problems
-    return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
+    trials = tuple(_trial(row, others, folder, campaign) for row in rows if row.file)
+    return trials, tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
-def _decide(rows: Sequence[_Row], path: Path, protocol: str) -> Iterator[Problem]:
+def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
     """Carry out the decisions beside the list; yield their errors, and those of no trial of the list."""
     made, table, problems = read_decisions(path)
     yield from problems
@@ -129,49 +146,51 @@ def _decide(rows: Sequence[_Row], path: Path, protocol: str) -> Iterator[Problem
             fix = "give each row of the list a name of its own in the column trial, and correct or remove this line"
             yield table.problem(decision.line, "file", "RF111", message, fix)
         else:
-            row.decide(decision)
-            for wrong in _wrong_decision(decision, alone=protocol == "breakaway" and row.sample != "*"):
-                yield table.problem(decision.line, *wrong)
+            row.decide(decision, table)
 
 
-def _wrong_decision(decision: Decision, *, alone: bool) -> Iterator[tuple[str, str, str, str]]:
-    """Yield key, code, message and fix of what a decision lacks; `alone`: the only trial of its recording."""
-    given = [name for name in ("pick_s", "peak_N") if getattr(decision, name) is not None]
+def _check_decision(row: _Row, *, alone: bool) -> None:
+    """Take note of what a decision lacks or has twice; `alone`: the only trial of its recording."""
+    given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
+    if "peak_std_N" in row.numbers and "peak_N" not in given:
+        row.doubt("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
+    if not given:
+        return
     if len(given) > 1:
-        yield "peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty"
-    if decision.peak_N is not None and not decision.peak_N > 0.0:
-        yield "peak_N", "RF110", f"{decision.peak_N:g} N is no possible value", "correct the number"
+        row.doubt("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
+    for name in ("peak_N", "peak_std_N"):
+        value_N = row.numbers.get(name, 1.0)
+        if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
+            row.doubt(name, "RF110", f"{value_N:g} N is no possible value", "correct the number")
     for name, what in (("why", "its reason"), ("by", "who took it")):
-        if given and not getattr(decision, name):
-            yield name, "RF121", f"a decision needs {what}", f"fill the column {name}"
-    if given and not alone:
+        if not row.texts.get(name):
+            row.doubt(name, "RF121", f"a decision needs {what}", f"fill the column {name}")
+    if not alone:
         message = "one decision cannot stand for several trials of a recording"
         fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
-        yield given[0], "RF111", message, fix
+        row.doubt(given[0], "RF111", message, fix)
 
 
 def _check_header(
-    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], asked: Sequence[str]
+    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], asked: Sequence[str] | None
 ) -> Iterator[Problem]:
-    """Yield that needed columns are missing, likely meanings of unknown ones, and decisions that stand elsewhere."""
-    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in asked}
+    """Yield that columns of those `asked` for are missing, and likely meanings of unknown ones."""
+    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in asked or ()}
     if not {"wheel", "wheel_radius_m"} & columns.keys():
         needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-    for name, header in needed.items():
+    for name, header in needed.items() if asked is not None else ():
         if name in columns:
             continue
         message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
-        key, fix = header.split(maxsplit=1)[0], f"add the column {header}"
+        key, fix = (
+            header.split(maxsplit=1)[0],
+            f"add the column {header}, or correct the name of the one that holds it",
+        )
         yield table.problem(table.header_line, key, "RF121", message, fix)
-    is_decided = {"why", "by"} <= {*map(cells.word_of, others)}
     for name in others:
         yield from table.near_miss(name, QUANTITIES, TEXTS)
-        stem = cells.stem_of(name)
-        if stem == "pick" or (stem == "peak" and is_decided):
-            message, fix = "decisions do not stand in the list", f"write them into {DECISIONS} beside it"
-            yield table.problem(table.header_line, name, "RF120", message, fix)
-        elif stem == "peak":
-            fix = f"write decisions about the break-away into {DECISIONS} beside the list"
+        if cells.stem_of(name) == "peak":
+            fix = "add the columns why and by, if it is a decision about the break-away"
             yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
     yield from _unnamed_columns(table)
 
@@ -190,19 +209,22 @@ def _interval(row: _Row, protocol: Protocol) -> tuple[float | None, float | None
     return row.numbers.get("start_s", protocol.start_s), row.numbers.get("stop_s", protocol.stop_s)
 
 
-def _check(row: _Row, wrong: Sequence[Problem], campaign: CampaignFile, needed: Sequence[str]) -> bool:
-    """Record wrong, missing, unknown or contradictory values of a row; return whether there are none."""
-    before = len(row.problems)
-    row.problems += wrong
+def _check(row: _Row, campaign: CampaignFile, needed: Sequence[str], *, wrong_header: bool) -> None:
+    """Record missing, unknown or contradictory values of a row."""
     row.need("file", "wrap_angle_rad", *needed)
-    for name, known in (("wheel", campaign.wheels), ("cell", campaign.cells), ("end_cell", campaign.cells)):
+    for name, known in _described(campaign).items():
         if (word := row.texts.get(name, "")) and word not in known:
             fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
             fix = did_you_mean(word[:80], known) if known else fix
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
-    _check_wheel(row, campaign)
+    _check_wheel(row, campaign, wrong_header=wrong_header)
     _check_interval(row, campaign.protocol)
-    return len(row.problems) == before
+    _check_decision(row, alone=campaign.protocol.name == "breakaway" and row.sample != "*")
+
+
+def _described(campaign: CampaignFile) -> dict[str, Mapping[str, Any]]:
+    """Return what the campaign file describes, by the column that names it."""
+    return {"wheel": campaign.wheels, "cell": campaign.cells, "end_cell": campaign.cells}
 
 
 def _check_interval(row: _Row, protocol: Protocol) -> None:
@@ -214,11 +236,11 @@ def _check_interval(row: _Row, protocol: Protocol) -> None:
         row.say(place, "RF111", message, "give an end after the start")
 
 
-def _check_wheel(row: _Row, campaign: CampaignFile) -> None:
+def _check_wheel(row: _Row, campaign: CampaignFile, *, wrong_header: bool) -> None:
     """Take note of a wheel that is neither named nor measured, or both and not alike."""
     wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
     known_m = campaign.wheels[wheel].radius_m if wheel in campaign.wheels else None
-    if not wheel and radius_m is None:
+    if not wheel and radius_m is None and not wrong_header:
         row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
     elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
         message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
@@ -226,11 +248,16 @@ def _check_wheel(row: _Row, campaign: CampaignFile) -> None:
 
 
 def _trial(row: _Row, own: Sequence[str], folder: Path, campaign: CampaignFile) -> TrialSpec:
-    """Return a row in SI; the user's `own` columns are kept, but not used."""
+    """Return a row in SI, with NaN for what a wrong one lacks; the user's `own` columns are kept, but not used."""
     start_s, stop_s = _interval(row, campaign.protocol)
-    given: dict[str, Any] = {"rope_radius_m": campaign.rope.radius_m, **row.texts, **row.numbers}
-    if "wheel_radius_m" not in given:
-        given["wheel_radius_m"] = campaign.wheels[given["wheel"]].radius_m
+    wheel, described = campaign.wheels.get(row.texts.get("wheel", "")), _described(campaign)
+    settings = {
+        "wheel_radius_m": wheel.radius_m if wheel else math.nan,
+        "rope_radius_m": campaign.rope.radius_m,
+        "wrap_angle_rad": math.nan,
+    }
+    texts = {name: text for name, text in row.texts.items() if text in described.get(name, (text,))}
+    given: dict[str, Any] = {**settings, **texts, **row.numbers}
     given |= {"trial": row.name, "start_s": start_s, "stop_s": stop_s}
     kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
     return TrialSpec(**given, path=folder / row.file, line=row.line, own=kept)

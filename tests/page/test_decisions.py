@@ -41,22 +41,22 @@ def test_a_new_file_has_a_header_and_the_last_line_of_a_trial_holds_whole(campai
 def test_it_holds_in_place_of_what_the_list_says_and_what_is_empty_takes_it_back(campaign):
     path, table = campaign / "decisions.csv", campaign / "trials.csv"
     head, *rows = [row for row in table.read_text().splitlines() if not row.startswith("#")]
-    place = head.split(",").index("exclude")
-    cells = ([*row.split(",")[:place], "wet", *row.split(",")[place + 1 :]] for row in rows)
-    table.write_text("\n".join([head, *map(",".join, cells)]))
+    own = ",,61.25,0.5,by hand,C"  # of every trial
+    table.write_text("\n".join([f"{head},pick_s,peak_N,peak_std_N,why,by", *(row + own for row in rows)]))
 
     def held(trial="c35-r01"):
         return next(one for one in load_campaign(campaign / "campaign.toml").trials if one.trial == trial)
 
     was = held()
+    assert (was.peak_N, was.peak_std_N, was.by) == (61.25, 0.5, "C")
     add(path, PICK)
-    assert (held().pick_s, held().peak_N, held().exclude) == (1.25, None, "")
+    assert (held().pick_s, held().peak_N, held().peak_std_N) == (1.25, None, None)
     assert (held().by, held().when) == (PICK.by, PICK.when)
-    assert held("c35-r02").exclude == "wet"
+    assert held("c35-r02").peak_N == 61.25
     add(path, Decision("c35-r01", by="A. Meier", when="later"))
     assert (held().decision, held().exclude, held().why, held().by) == ("", "", "", "")
     add(path, decision_of(was))
-    assert (held().pick_s, held().exclude) == (None, "wet")
+    assert (held().peak_N, held().peak_std_N, held().why) == (61.25, 0.5, "by hand")
 
 
 def test_a_file_that_a_spreadsheet_saved_is_read_and_goes_on_if_it_begins_as_before(tmp_path):

@@ -1,4 +1,4 @@
-"""A person's decision about a trial stands beside the list, is carried out, shown, and never overridden."""
+"""A person's decision about a trial stands in the list, is carried out, shown, and never overridden."""
 
 import csv
 import json
@@ -16,7 +16,7 @@ from ropefric.trials.result import write_tables
 from ropefric.trials.table import read_trial_table
 
 SAID = {"why": "slip seen on the video", "by": "A. Lovelace"}
-HEAD = ("trial", "pick_s", "peak_N", "exclude", "why", "by", "when", "file")
+OPEN = {"sample": "", "pick_s": "", "peak_N": "", "peak_std_N": "", "exclude": "", "why": "", "by": ""}
 EARLY_N = 60.0
 
 
@@ -29,14 +29,12 @@ def two_peaks(*, seed=0, late_N=100.0):
 
 @pytest.fixture
 def decided(lab, pull_csv):
-    """Return a campaign of two pulls; `cells` is what is decided of the second, which has two peaks."""
+    """Return a campaign of two pulls; `cells` is what the list says of the second, which has two peaks."""
 
-    def decided(settings="", sample="", **cells):
+    def decided(settings="", **cells):
         (lab.folder / "one.csv").write_text(pull_csv(100.0), encoding="utf-8")
         lab.record("two.csv", **dict(zip(("time_s", "force_N"), two_peaks(), strict=True)))
-        said = [",".join(HEAD), ",".join(str(cells.get(name, "")) for name in HEAD[1:])]
-        (lab.folder / "decisions.csv").write_text("\n".join(said).replace("\n", "\ntwo,"), encoding="utf-8")
-        return lab.write([lab.row("one.csv", sample=""), lab.row("two.csv", sample=sample)], settings)
+        return lab.write([lab.row("one.csv", **OPEN), lab.row("two.csv", **OPEN | cells)], settings)
 
     return decided
 
@@ -99,11 +97,12 @@ def test_a_decision_that_cannot_be_carried_out_is_an_error_of_that_trial(decided
     assert (problem.code, problem.path, problem.key) == ("RF244", "two.csv", "pick_s")
 
 
-def test_a_stated_force_comes_with_a_hundredth_of_it(decided):
-    trial = decided(peak_N=77, **SAID).extract().trials[-1]
-    assert (trial.peak_N, trial.kept, trial.decision) == (77.0, True, "peak_N = 77 N")
-    assert trial.peak_std_N == pytest.approx(0.77)
-    assert any("taken as 1%" in note for note in trial.breakaway.notes)
+def test_a_stated_force_comes_with_a_stated_uncertainty_or_a_hundredth_of_it(decided):
+    for given, std_N in (("", 0.77), (0.25, 0.25)):
+        trial = decided(peak_N=77, peak_std_N=given, **SAID).extract().trials[-1]
+        assert (trial.peak_N, trial.kept, trial.decision) == (77.0, True, "peak_N = 77 N")
+        assert trial.peak_std_N == pytest.approx(std_N)
+        assert any("taken as 1%" in note for note in trial.breakaway.notes) == (given == "")
 
 
 def test_a_stated_force_holds_where_the_recording_cannot_be_read(decided):
@@ -117,16 +116,17 @@ def test_a_stated_force_holds_where_the_recording_cannot_be_read(decided):
 HALF = [
     ({"pick_s": 0.8, "why": "w"}, "by", "RF121"), ({"pick_s": 0.8, "by": "b"}, "why", "RF121"),
     ({"peak_N": 80, "by": "b"}, "why", "RF121"), ({"pick_s": 0.8, "peak_N": 80, **SAID}, "peak_N", "RF111"),
-    ({"peak_N": 0, **SAID}, "peak_N", "RF110"),
+    ({"peak_std_N": 1, **SAID}, "peak_std_N", "RF121"), ({"peak_N": 0, **SAID}, "peak_N", "RF110"),
+    ({"peak_N": 50, "peak_std_N": -1, **SAID}, "peak_std_N", "RF110"),
     ({"pick_s": 0.8, "sample": "*", **SAID}, "pick_s", "RF111"),
 ]  # fmt: skip
 
 
-def test_half_a_decision_is_refused_and_so_is_one_about_many_trials(decided):
+def test_half_a_decision_is_refused_by_the_list_and_so_is_one_about_many_trials(decided):
     for cells, key, code in HALF:
         found = check_campaign(decided(**cells).path)
         told = [(one.code, one.key, one.line) for one in found if one.severity == "error"]
-        assert told == [(code, key, 2)], cells
+        assert told == [(code, key, 3)], cells
     lab = decided('[protocol]\nname = "stick-slip"', pick_s=0.8, **SAID)
     assert [problem.key for problem in check_campaign(lab.path) if problem.severity == "error"] == ["pick_s"]
 
@@ -140,7 +140,6 @@ def test_a_table_of_results_still_serves_as_a_list(decided, tmp_path):
     assert told == [("", "", ""), ("pick_s = 0.8 s", SAID["by"], SAID["why"])]
     assert read_trial_table(tmp_path / "out" / "trials.csv").used.all()
     (lab.folder / "trials.csv").write_bytes((tmp_path / "out" / "trials.csv").read_bytes())
-    (lab.folder / "decisions.csv").unlink()
     again = lab.extract()
     assert again.trials[0].peak_N == first.trials[0].peak_N
     assert {trial.decision for trial in again.trials} == {""}

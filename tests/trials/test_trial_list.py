@@ -8,7 +8,6 @@ from ropefric.trials.campaign import load_campaign
 
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {
-    "decision in the list": ("note", "pick_s", "RF120", 1, "pick_s", "do not stand in the list", "decisions.csv"),
     "no unit": ("wrap_angle_deg", "wrap_angle", "RF130", 1, "wrap_angle", "no unit", "wrap_angle_deg"),
     "small n": ("end_tension_N", "end_tension_n", "RF121", 1, "end_tension_N", "there is no column end_tension_N", "add the column"),
     "unit of another dimension": ("end_tension_N", "end_tension_mm", "RF130", 1, "end_tension_mm", "'mm' is not a unit of force", "'N'"),

@@ -246,7 +246,7 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
                     f'write sensitivity = "25 N/mV" beside the unit, or {fix}, and name the cell in the list'
                 )
             yield document.problem(key, "RF121", f"a force in {what} needs {missing}", fix=fix)
-    yield from _check_formulas(document)
+    yield from dict.fromkeys(_check_formulas(document))
     name = document.data.get("data", ".")
     folder = Path(document.path).parent / (name if isinstance(name, str) else "")
     if kind_of_file(folder) != "folder":
@@ -263,7 +263,7 @@ def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
         try:
             evaluate_derived({name: formula} if isinstance(formula, str) else {}, known, constants)
         except DataError as error:
-            key = ("import", "derived", name)
+            key = ("import", "constants") if "constants" in error.problem.key else ("import", "derived", name)
             yield document.problem(key, error.code, error.problem.message, fix=error.fix)
         known[name] = nothing
 

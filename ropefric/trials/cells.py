@@ -263,14 +263,19 @@ def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None
 
 def _torn(table: CellTable, split: Sequence[tuple[int, tuple[str, ...] | None]]) -> Iterator[Problem]:
     """Yield the rows whose quotes are not closed, or that have too few or too many cells."""
-    fix = 'keep each row on one line with a cell for every column, text with separators in "quotes", comments above the '
-    fix += "header; numbers have decimal commas only where ';' separates the columns"
+    n = len(table.header)
     for line, cells in split:
         if cells is None:
             message = "a quoted cell is not closed on its line, or text follows its end"
+            fix = "keep each row on one line and close the quotes"
             yield table.problem(line, "", "RF103", message, fix)
-        elif len(cells) != len(table.header):
-            message = f"{len(cells)} cells, but the header has {len(table.header)} columns"
+        elif len(cells) != n:
+            fix = "write a cell for every column, also an empty one; put comments above the header"
+            if len(cells) > n:
+                fix = 'put text with separators in "quotes"'
+                if table.separator == ",":
+                    fix = f"if numbers have a decimal comma, separate the columns by ';'; {fix}"
+            message = f"{len(cells)} cells, but the header has {n} columns"
             yield table.problem(line, "", "RF103", message, fix)
 
 
@@ -310,11 +315,17 @@ def _factor(unit: str, si_unit: str) -> Decimal:
 
 def read_number(cell: str, column: Column, decimal: str) -> float:
     """Return a cell's number in SI, or refuse it."""
-    plain = cell.replace(",", ".")
-    if not _NUMBER.fullmatch(cell) or {".": ",", ",": "."}[decimal] in cell:
-        message = f"cannot read '{cell[:60]}' as a number with the decimal mark '{decimal}'"
+    if not _NUMBER.fullmatch(cell):
         fix = "write a plain number without a unit or marks between thousands, or leave the cell empty if it is optional"
-        raise InputError(message, code="RF102", fix=f"{fix}; decimal commas need columns separated by ';'")
+        raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=fix)
+    plain = cell.replace(",", ".")
+    if decimal == "." and "," in cell:
+        message = f"'{cell}' has a decimal comma in a table separated by commas"
+        raise InputError(message, code="RF102", fix=f"write {plain}, or separate the columns by ';'")
+    if decimal == "," and "." in cell:
+        message = f"'{cell}' has a point, but other numbers of the table have decimal commas"
+        fix = f"write {cell.replace('.', ',')} if the point is a decimal mark, or leave it out"
+        raise InputError(message, code="RF102", fix=fix)
     factor = _factor(column.unit, column.si_unit)
     # As `parse_quantity`, which takes longer: 9.8 * 0.001 is not 0.0098 in binary.
     value = float(plain) if factor == 1 else float(Decimal(plain) * factor)

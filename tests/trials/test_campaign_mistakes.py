@@ -48,6 +48,7 @@ MISTAKES = {
     "column zero": ("column = 3", "column = 0", "RF110", "import.channels.pressure", "number from 1", ""),
     "no force": ('counts = "counts"', "", "RF121", "import.channels", "no channel gives the force", "force ="),
     "constant of no dimension": ('"490.9 mm^2"', '"490.9 mol"', "RF130", "import.constants.area", "no SI unit is known for 'mol'", "in SI"),
+    "constant and channel": ("[import.constants]", "[import.constants]\npressure = 1", "RF109", "import.constants", "a constant and a channel", "rename"),
     "formula": ('"pressure * area"', '"pressure *"', "RF109", "import.derived.load", "not a formula", "arithmetic"),
     "formula with unknown channel": ('"pressure * area"', '"presure * area"', "RF109", "import.derived.load", "'presure'", "did you mean 'pressure'?"),
     "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "not offered", ""),

@@ -9,7 +9,7 @@ from ropefric.trials.campaign import load_campaign
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {
     "no unit": ("wrap_angle_deg", "wrap_angle", "RF130", 1, "wrap_angle", "no unit", "wrap_angle_deg"),
-    "small n": ("end_tension_N", "end_tension_n", "RF121", 1, "end_tension_N", "there is no column end_tension_N", "add the column"),
+    "small n": ("end_tension_N", "end_tension_n", "RF121", 1, "end_tension_N", "there is no column end_tension_N", "or correct the name"),
     "unit of another dimension": ("end_tension_N", "end_tension_mm", "RF130", 1, "end_tension_mm", "'mm' is not a unit of force", "'N'"),
     "mass as tension": ("end_tension_N", "end_tension_kg", "RF130", 1, "end_tension_kg", "'kg' is not a unit of force", "'N'"),
     "knots": ("end_tension_N", "end_tension (kn)", "RF130", 1, "end_tension (kn)", "knot", "'kN'"),
@@ -26,15 +26,15 @@ MISTAKES = {
     "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "without a unit"),
     "thousands": ("60.5", "1 060.5", "RF102", 4, "end_tension_N", "1 060.5", "marks between thousands"),
     "quoted thousands": ("60.5", '"1,060.5"', "RF102", 4, "end_tension_N", "1,060.5", "marks between thousands"),
-    "quoted decimal comma": ("60.5", '"60,5"', "RF102", 4, "end_tension_N", "as a number with the decimal mark '.'", "separated by ';'"),
-    "decimal comma": ("60.5", "60,5", "RF103", 4, "", "12 cells, but the header has 11", "where ';' separates the columns"),
+    "quoted decimal comma": ("60.5", '"60,5"', "RF102", 4, "end_tension_N", "decimal comma", "write 60.5, or separate the columns by ';'"),
+    "decimal comma": ("60.5", "60,5", "RF103", 4, "", "12 cells, but the header has 11", "decimal comma, separate the columns by ';'"),
     "nan": ("60.5", "nan", "RF102", 4, "end_tension_N", "cannot read 'nan'", "plain number"),
     "inf": ("60.5", "1e999", "RF130", 4, "end_tension_N", "not a finite number", ""),
     "zero tension": ("60.5", "0", "RF110", 4, "end_tension_N", "an end tension must be above zero", "correct"),
     "negative radius": (",35,", ",-35,", "RF110", 4, "wheel_radius_mm", "a wheel radius must be above zero", "correct"),
     "negative dwell": ("R1,0.5,,\n", "R1,-1,,\n", "RF110", 2, "dwell_min", "negative", "0 or more"),
     "too few cells": ("t2,b.csv,W60,,", "t2,b.csv,", "RF103", 3, "", "9 cells, but the header has 11 columns", "a cell for every column"),
-    "open quote": ("see book", '"see book', "RF103", 3, "", "not closed", "on one line"),
+    "open quote": ("see book", '"see book', "RF103", 3, "", "not closed", "close the quotes"),
     "column without a name": ("note", "", "RF120", 3, "", "column 11 has no name, but holds 'see book'", "name it"),
     "inner column without a name": ("exclude,note", ",note", "RF120", 3, "", "column 10 has no name, but holds 'rope jumped'", "name it"),
     "file twice": ("b.csv", "a.csv", "RF122", 3, "file", "a.csv is listed in line 2 already", "from_s and until_s"),
@@ -84,7 +84,7 @@ def test_a_point_among_decimal_commas_is_refused(bench):
     bench.write(trials=f"{head}a.csv;40;180;80,5;K1\nb.csv;40;180;1.250;K1\n")
     problem = bench.only()
     assert (problem.code, problem.line, problem.key) == ("RF102", 3, "end_tension_N")
-    assert "with the decimal mark ','" in problem.message
+    assert "write 1,250 if the point is a decimal mark" in problem.fix
 
 
 def test_each_missing_recording_is_a_problem_of_its_row(bench):

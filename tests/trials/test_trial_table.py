@@ -79,7 +79,7 @@ CELLS = [
     ("d,40,9.8,540,80,about 300", "peak_N", "cannot read 'about 300' as a number", "plain number"),
     ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "without a unit"),
     ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "marks between thousands"),
-    ('d,40,"9,8",540,80,300', "rope_diameter_mm", "cannot read '9,8' as a number", "separated by ';'"),
+    ('d,40,"9,8",540,80,300', "rope_diameter_mm", "decimal comma", "write 9.8"),
     ("d,0,9.8,540,80,300", "wheel_radius_mm", "must be above zero", "correct"),
     ("d,40,9.8,540,80,-300", "peak_N", "no possible value", "correct"),
     ("d,40,9.8,540,80,inf", "peak_N", "cannot read", ""),

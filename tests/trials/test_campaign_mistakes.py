@@ -192,3 +192,16 @@ def test_doubts(bench):
         (doubt,) = [p for p in bench.warnings() if p.path.endswith("campaign.toml")]
         assert ((doubt.code, doubt.key), bench.errors()) == ((code, key), [])
         assert load_campaign(bench.path).warnings == bench.problems()
+
+
+def test_a_list_is_asked_for_nothing_that_a_wrong_campaign_file_leaves_open(bench):
+    bench.spoil('radius = "40 mm"', "radius = 40")
+    bench.spoil('"1 kN"', "1")
+    bench.spoil('"breakaway"', '"brakeaway"')
+    bench.spoil_table("80,", ",")
+    bench.spoil_table("wrap_angle_deg", "wrap_angle")
+    bench.spoil_table("c.csv", "lost.csv")
+    found = [(p.path.rsplit("/", 1)[1], p.code, p.key) for p in bench.problems()]
+    assert found == [("campaign.toml", "RF130", "wheels.W40.radius"), ("campaign.toml", "RF130", "cells.K1.full_scale"),
+        ("campaign.toml", "RF120", "protocol.name"), ("trials.csv", "RF130", "wrap_angle"),
+        ("trials.csv", "RF124", "file")]  # fmt: skip

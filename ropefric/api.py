@@ -354,7 +354,7 @@ def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
     values : array_like, shape (n,)
         Forces of one condition.
     rule : str
-        two-sigma, grubbs, chauvenet, mad or none.
+        two-sigma, grubbs or none.
 
     Examples
     --------

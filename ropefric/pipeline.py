@@ -446,7 +446,6 @@ MANIFEST = "manifest.json"
 """Name of the file in a folder of results that says what they were made from."""
 
 _DRAWN_WITH = ("matplotlib", "jinja2")
-_NO_SETTINGS = frozenset({"trials", "warnings", "path", "folder"})
 
 
 def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
@@ -470,8 +469,7 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
             if path.exists()
         },
     } | recordings
-    settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
-    return {"schema": SCHEMA, **_traced(run.answer, evidence, words, inputs), "settings": settings}
+    return {"schema": SCHEMA, **_traced(run.answer, evidence, words, inputs), "settings": campaign.resolved()}
 
 
 def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Path]) -> dict[str, Any]:

@@ -23,9 +23,6 @@ BLOCK_BYTES = 2**20
 KEPT_BYTES = 8 * 2**20
 """Files up to this size are read once and kept; larger ones are read again for every pass over them."""
 
-TRIES = 3
-"""How often a file that changes is read before it is refused."""
-
 _FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)  # a pipe that took a file's place in between must not hold us up
@@ -50,7 +47,7 @@ def _kind(found: os.stat_result) -> str:
 
 
 class FileChangedError(DataError):
-    """A file was written to while it was read; reading it again may help."""
+    """A file was written to while it was read."""
 
 
 def _changed(shown: str) -> FileChangedError:
@@ -169,30 +166,26 @@ def _unreadable(error: Exception, what: str, shown: str) -> DataError:
 def read_file(
     path: str | os.PathLike[str], what: str = "file", *, shown: str = "", limit: int | None = None
 ) -> bytes:
-    """Return a file's content, read again where it changed meanwhile."""
+    """Return a file's content."""
     return use_file(path, lambda file: file.read(limit), what, shown=shown)
 
 
 def use_file(
     path: str | os.PathLike[str], use: Callable[[InputFile], T], what: str = "file", *, shown: str = ""
 ) -> T:
-    """Return what comes of an open file, begun again where the file changed meanwhile."""
-    for again in reversed(range(TRIES)):
-        with open_file(path, what, shown=shown) as file:
-            try:
-                found = use(file)
-            except OSError as error:  # of a disk that fails, or of what only says that it is a file
-                raise _unreadable(error, what, file.shown) from None
-            except FileChangedError:
-                if not again:
-                    raise
-            except DataError:  # half a line, perhaps, that was being written
-                if file.is_steady or not again:
-                    raise
-            else:
-                if file.is_steady:
-                    return found
-    raise _changed(shown or Path(path).as_posix())
+    """Return what comes of an open file, or refuse one that changed meanwhile."""
+    with open_file(path, what, shown=shown) as file:
+        try:
+            found = use(file)
+        except OSError as error:  # of a disk that fails, or of what only says that it is a file
+            raise _unreadable(error, what, file.shown) from None
+        except DataError:  # half a line, perhaps, that was being written
+            if file.is_steady:
+                raise
+            raise _changed(file.shown) from None
+        if not file.is_steady:
+            raise _changed(file.shown)
+        return found
 
 
 def hash_file(path: str | os.PathLike[str]) -> str:
@@ -206,10 +199,6 @@ PART = ".part"
 _NO_SPACE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _FIXES = {
     **dict.fromkeys(_NO_SPACE, "make room, or choose another place; what stood there before is as it was"),
-    errno.ENAMETOOLONG: "choose a shorter name",
-    errno.EISDIR: "name a file; this is a folder",
-    errno.ENOTDIR: "a part of this path is a file, not a folder; choose another",
-    errno.EEXIST: "a part of this path is a file, not a folder; choose another",
 }
 
 

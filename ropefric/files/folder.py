@@ -96,29 +96,30 @@ class OutputFolder(Folder):
         self._entries: dict[str, _Entry] = {}
         self._staged: dict[str, Path] = {}
         self._inputs: set[tuple[int, int]] = set()
-        self._made: list[Path] = []
         self._lock, self._key = -1, (0, 0)
 
     def __enter__(self) -> Self:
+        self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
         try:
-            self._make()
-            self._take_lock()
-            for left in self._own.glob(f".*{disk.PART}"):
-                disk.discard(left)
+            disk.refuse_special(self._own / "lock")
             self._entries = self._read_entries()
-            self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
             self._refuse_others(self._existing())
             self._refuse_folder_of_others()
-        except BaseException:
-            self._release()
-            raise
+            self._take_lock()
+        except OSError as error:
+            raise disk.cannot_write(error, self.path) from None
+        for left in self._own.glob(f".*{disk.PART}"):
+            disk.discard(left)
+        self._entries = self._read_entries()  # another run may just have ended
         return self
 
     def __exit__(self, *_why: object) -> None:
         for part in self._staged.values():
             disk.discard(part)
         self._staged.clear()
-        self._release()
+        os.ftruncate(self._lock, 0)
+        os.close(self._lock)
+        _held.discard(self._key)
 
     def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
         """Write files aside until they are published; return the paths they will have."""
@@ -198,13 +199,9 @@ class OutputFolder(Folder):
 
     def _existing(self) -> list[str]:
         """Return the names the command may write that are taken."""
-        disk.refuse_link(self.path / CACHE)
-        for parent in sorted({PurePosixPath(name).parent for name in self._names}):
-            folder = self.path / parent
-            if parent.parts:
-                disk.refuse_link(folder)
-            if os.path.lexists(folder):
-                _refuse_closed(folder)
+        parents = {PurePosixPath(name).parent.as_posix() for name in self._names} - {"."}
+        for folder in (OWN, CACHE, *sorted(parents)):
+            disk.refuse_link(self.path / folder)
         # Also links that lead nowhere, which Path.glob passes over.
         found = (glob.glob(pattern, root_dir=self.path) for pattern in self._names)  # noqa: PTH207
         return sorted({Path(name).as_posix() for name in chain(*found)})
@@ -237,7 +234,7 @@ class OutputFolder(Folder):
 
     def _refuse_folder_of_others(self) -> None:
         """Refuse a folder that is neither ropefric's own nor empty: nobody finds his files among the results."""
-        if self._force or self._entries:
+        if self._force or self._entries or not self.path.is_dir():
             return
         names = sorted(path.name for path in self.path.iterdir() if not path.name.startswith("."))
         if names:
@@ -278,79 +275,21 @@ class OutputFolder(Folder):
 
     # --- one run at a time ---
 
-    def _make(self) -> None:
-        try:
-            paths = (self._own, self.path, *self.path.parents)
-            missing = [path for path in paths if not os.path.lexists(path)]
-            self._own.mkdir(parents=True, exist_ok=True)
-            self._made = missing
-            disk.refuse_link(self._own)
-            _refuse_closed(self.path)
-        except OSError as error:
-            raise disk.cannot_write(error, self.path) from None
-        except ValueError as error:
-            if isinstance(error, DataError):
-                raise
-            message = "this is not a usable folder name"
-            raise DataError(message, code="RF105", path=repr(str(self.path))) from None
-
     def _take_lock(self) -> None:
-        path = self._own / "lock"
-        disk.refuse_special(path)
+        self._own.mkdir(parents=True, exist_ok=True)
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
-        if key in _held:
+        if key in _held:  # to open and close the file would end the lock
             raise _busy(self.path, _this_run())
-        try:
-            handle = self._open_lock(path)
-            for _ in range(
-                20
-            ):  # not for ever: some network file systems give a file another number each time
-                if _file_key(path) == _file_key(handle):
-                    break
-                os.close(handle)  # its owner removed it meanwhile
-                handle = self._open_lock(path)
-            self._lock, self._key = handle, key
-            os.ftruncate(handle, 0)
-            os.write(handle, _this_run().encode(errors="replace"))
-        except OSError as error:
-            raise disk.cannot_write(error, path) from None
-        _held.add(key)
-
-    def _open_lock(self, path: Path) -> int:
-        """Return the lock, open and held by this process."""
-        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-        try:
-            handle = os.open(path, flags, 0o666)
-        except FileNotFoundError:  # a run that was refused has just taken its empty folder away
-            self._own.mkdir(parents=True, exist_ok=True)
-            handle = os.open(path, flags, 0o666)
+        handle = os.open(self._own / "lock", os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
         if not _lock_file(handle):
             run = os.read(handle, 4096).decode(errors="replace")
             os.close(handle)
             raise _busy(self.path, run)
-        return handle
-
-    def _release(self) -> None:
-        if self._lock >= 0:
-            disk.discard(self._own / "lock")
-            os.close(self._lock)
-            self._lock = -1
-            _held.discard(self._key)
-        for path in self._made:  # those that hold nothing
-            try:
-                path.rmdir()
-            except OSError:
-                break
-        with suppress(OSError, ValueError):
-            self._own.rmdir()
-
-
-def _refuse_closed(folder: Path) -> None:
-    """Refuse a folder that takes no files."""
-    number = errno.EACCES if folder.is_dir() else errno.ENOTDIR
-    if number == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-        raise disk.cannot_write(OSError(number, os.strerror(number)), folder)
+        self._lock, self._key = handle, key
+        os.ftruncate(handle, 0)
+        os.write(handle, _this_run().encode(errors="replace"))
+        _held.add(key)
 
 
 def _busy(folder: Path, run: str) -> DataError:

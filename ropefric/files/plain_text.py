@@ -120,11 +120,6 @@ def rounded_tree(tree: Any, digits: int | None = MEASURED_DIGITS) -> Any:
     return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree
 
 
-MOST_CELLS = 100_000_000
-MOST_BYTES = 2 * 2**30
-"""Of a table that is read, once unpacked."""
-
-
 def arrow(key: str = "") -> tuple[Any, Any]:
     """Return pyarrow and its Parquet; `key` is what asked for it."""
     try:
@@ -149,14 +144,7 @@ def parquet_as_csv(content: bytes, shown: str) -> str:
     """Return a Parquet file as CSV: numbers with all their digits, empty cells where there is none."""
     pyarrow, parquet = arrow()
     try:
-        file = parquet.ParquetFile(io.BytesIO(content))
-        about = file.metadata
-        size = sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups))
-        if about.num_rows * about.num_columns > MOST_CELLS or size > MOST_BYTES:
-            shape = f"{about.num_rows} rows of {about.num_columns} columns, {size} bytes"
-            message = f"the table has {shape}: too many"
-            raise DataError(message, path=shown, fix="check that this is the table you mean, or split it")
-        table = file.read()
+        table = parquet.read_table(io.BytesIO(content))
         columns = [table.column(i).to_pylist() for i in range(table.num_columns)]
     except (pyarrow.ArrowException, OSError, ValueError) as error:
         message = f"this is not a readable Parquet file: {error}"

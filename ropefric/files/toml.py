@@ -3,23 +3,19 @@
 import os
 import re
 import tomllib
-from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ropefric.errors import DataError, Problem
-from ropefric.files.disk import kind_of_file, read_file
+from ropefric.files.disk import read_file
 
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
 
 MOST_BYTES = 1_000_000
 """A TOML file larger than this was not written by hand."""
-
-_MAX_PARTS = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,14 +52,7 @@ class TomlDocument:
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
     r"""Return a TOML file's tree with the line of every key."""
     name = Path(path).as_posix()
-    try:
-        content = read_file(path, what, shown=name, limit=MOST_BYTES)
-    except DataError:
-        if kind_of_file(path) != "folder":
-            raise
-        fix = _file_in(Path(path), what)
-        raise DataError(f"this is a folder, not a {what}", path=name, fix=fix) from None
-    return parse_toml(content, name, what)
+    return parse_toml(read_file(path, what, shown=name, limit=MOST_BYTES), name, what)
 
 
 def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocument:
@@ -75,9 +64,6 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
-    if (endless := endless_key(text)) is not None:
-        message = f"a key has more than {_MAX_PARTS} parts"
-        raise DataError(message, path=name, line=endless, fix="shorten the key")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -90,33 +76,20 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
     return TomlDocument(path=name, data=data, lines=toml_lines(text))
 
 
-def _file_in(folder: Path, what: str) -> str:
-    """Return which TOML file of a folder may be meant."""
-    names = sorted(path.name for path in folder.glob("*.toml"))
-    if "campaign.toml" in names and what != "campaign file":
-        return f"it holds a campaign: `ropefric run {folder.as_posix()}`"
-    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-    if not names:
-        return "name a file; this folder holds no *.toml"
-    return f"name a file of it: {', '.join(names[:3])}{more}"
-
-
-_IN_ONE_PLACE, _IN_QUOTES = "join both in one place", 'put text and quantities in quotes: "40 mm"'
+_QUOTED = 'put text and quantities in quotes: "40 mm"'
+_CLOSE = "close the quote"
+# How a message of tomllib begins, what it means, and what to do.
 _MEANINGS = (
     ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
     ("Cannot declare", "this table is given a second time", "join both under one heading"),
-    ("Cannot mutate immutable", "this table is complete where it was first written", _IN_ONE_PLACE),
-    ("Invalid value", "the value is not TOML", _IN_QUOTES),
-    ("Expected newline or end", "something follows the value", _IN_QUOTES),
+    ("Invalid value", "the value is not TOML", _QUOTED),
+    ("Expected newline or end", "something follows the value", _QUOTED),
     ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
-    ("Illegal character", "a character is not allowed here, or a quote is not closed", "close the quote"),
-    ("Unterminated string", "a quote is not closed", "close the quote"),
-    ('Expected \'"""\'', "a quote is not closed", "close the quote"),
-    ("Unclosed array", "a bracket is not closed", "close it with ]"),
+    ("Illegal character", "a character is not allowed here, or a quote is not closed", _CLOSE),
+    (("Unterminated string", 'Expected \'"""\''), "a quote is not closed", _CLOSE),
     ("Unescaped '\\'", "there is a lone backslash in the text", "use / in paths, or single quotes"),
 )
-
-
+_ANY = 'write each key once, as radius = "40 mm", and close quotes and brackets'
 _PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
 _BARE_QUANTITY = re.compile(
     r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
@@ -129,59 +102,57 @@ def _syntax_error(text: str, message: str, name: str) -> DataError:
     rows = text.split("\n")
     # tomllib points behind a line break where a value or key is missing at the end of the line before.
     written = rows[line - 1].strip() if line <= len(rows) else ""
-    said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
-    meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
-    bare = _BARE_QUANTITY.fullmatch(written)
-    if bare:
+    said, shown = message.partition(" (at ")[0], f": {written[:80]}" if written else ""
+    said, fix = next(
+        ((meaning, fix) for start, meaning, fix in _MEANINGS if said.startswith(start)), (said, _ANY)
+    )
+    if bare := _BARE_QUANTITY.fullmatch(written):
         fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
-    shown = f": {written[:80]}" if written else ""
-    return DataError(f"not valid TOML, {meaning or said}{shown}", path=name, line=max(line, 1), fix=fix)
+    return DataError(f"not valid TOML, {said}{shown}", path=name, line=max(line, 1), fix=fix)
 
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
-# Strings first, so that no '#', bracket or line break inside one is taken for TOML's own.
-_TOKEN = re.compile(
-    r'''(?P<string>"""(?:\\.|(?!""")[^\\])*+(?:"""(?:"{0,2}))?|\'\'\'(?:(?!\'\'\').)*+(?:\'\'\'(?:'{0,2}))?'''
-    r"""|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
-    r"""|(?P<comment>\#[^\n]*+)|(?P<newline>\n)|(?P<space>[ \t\r]++)|(?P<mark>[\[\]{},=.])"""
-    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]++)|(?P<other>.)""",
-    re.DOTALL,
-)
+_NAME = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_NAMES = rf"{_NAME}(?:[ \t]*+\.[ \t]*+{_NAME})*+"
+_ONE_NAME = re.compile(_NAME)
+HEADING = re.compile(rf"[ \t]*+(\[\[?)[ \t]*+({_NAMES})[ \t]*+\]\]?[ \t\r]*+(?:#.*+)?")
+KEY = re.compile(rf"[ \t]*+({_NAMES})[ \t]*+=")
+# Long texts; strings and comments beside them, so that no mark within one is taken for the begin of another.
+_LONG = r"'''(?:(?!''').)*+'''(?:'{0,2})|" + r'"""(?:\\.|(?!""")[^\\])*+"""(?:"{0,2})'
+_TEXT = re.compile(rf"""({_LONG})|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+'|\#[^\n]*+""", re.DOTALL)
+
+
+def names_of(key: str) -> tuple[str, ...]:
+    """Return the names of a key as it is written, such as `a."b c"`."""
+    return tuple(one.strip("\"'") for one in _ONE_NAME.findall(key))
 
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
-    r"""Return the 1-based line of every key, table and array element of a TOML text."""
-    return _places(text).lines
+    r"""Return the 1-based line of every table and of every key that begins a line of a TOML text.
 
-
-def value_spans(text: str) -> dict[KeyPath, tuple[int, int]]:
-    """Return from where to where in a TOML text each value is written, by its key."""
-    return _places(text).spans
-
-
-def _places(text: str) -> "_Places":
-    found, table = _Places(text), tuple[str | int, ...]()
-    while found.tokens:
-        if found.tokens[0].kind == "[":
-            table = found.header()
-        else:
-            found.value(found.key(table), "newline")
-            if found.tokens:
-                found.tokens.popleft()
-    return found
-
-
-def endless_key(text: str) -> int | None:
-    r"""Return the line of the first key with too many dotted parts, whose cost grows with their square."""
-    dots = 0
-    for token in _tokens(text):
-        if token.kind == ".":
-            dots += 1
-            if dots >= _MAX_PARTS:
-                return token.line
-        elif token.kind not in ("bare", "string", "space"):
-            dots = 0
-    return None
+    What stands within a value, such as an element of an array, has the line of its key.
+    """
+    lines, repeats = dict[KeyPath, int](), dict[KeyPath, int]()
+    table: KeyPath = ()
+    bare = _TEXT.sub(lambda found: "\n" * found[0].count("\n") if found[1] else found[0], text)
+    for number, line in enumerate(bare.split("\n"), start=1):
+        heading, key = HEADING.fullmatch(line), KEY.match(line)
+        if heading:
+            table, names = (), names_of(heading[2])
+            for place, name in enumerate(names, start=1):
+                table = (*table, name)
+                lines.setdefault(table, number)
+                if heading[1] == "[[" and place == len(names):
+                    repeats[table] = repeats.get(table, -1) + 1
+                if table in repeats:  # on the way, the latest element of an array of tables
+                    table = (*table, repeats[table])
+                    lines.setdefault(table, number)
+        elif key:
+            path = table
+            for name in names_of(key[1]):
+                path = (*path, name)
+                lines.setdefault(path, number)
+    return lines
 
 
 def key_text(path: KeyPath) -> str:
@@ -194,91 +165,6 @@ def key_text(path: KeyPath) -> str:
             name = part if _BARE_KEY.fullmatch(part) else f'"{part}"'
             text += f".{name}" if text else name
     return text
-
-
-class _Token(NamedTuple):
-    kind: str  # of a mark, the mark
-    text: str
-    line: int
-    start: int
-
-
-def _tokens(text: str) -> Iterator[_Token]:
-    line = 1
-    for match in _TOKEN.finditer(text):
-        kind = match.lastgroup or "other"
-        yield _Token(match[0] if kind == "mark" else kind, match[0], line, match.start())
-        line += match[0].count("\n")
-
-
-def _key_name(token: _Token) -> str:
-    if token.kind != "string":
-        return token.text
-    if "\\" not in token.text:
-        return token.text[1:-1]
-    try:
-        return str(tomllib.loads(f"key = {token.text}")["key"])
-    except tomllib.TOMLDecodeError:
-        return token.text
-
-
-class _Places:
-    """The lines of the places that were read, the stretches of text of their values, and the tokens not read yet."""
-
-    def __init__(self, text: str) -> None:
-        self.tokens = deque(token for token in _tokens(text) if token.kind not in ("comment", "space"))
-        self.lines: dict[KeyPath, int] = {}
-        self.spans: dict[KeyPath, tuple[int, int]] = {}
-        self.end = 0
-        self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
-
-    def key(self, path: KeyPath) -> KeyPath:
-        """Read `a."b".c` and return the place it names below a path."""
-        while self.tokens and self.tokens[0].kind in ("bare", "string", "."):
-            if (token := self.tokens.popleft()).kind != ".":
-                path = (*path, _key_name(token))
-                self.lines.setdefault(path, token.line)
-        return path
-
-    def header(self) -> KeyPath:
-        """Read `[a.b]` or `[[a.b]]`; names on the way mean the latest element of an array of tables."""
-        head: list[_Token] = []
-        while self.tokens and self.tokens[0].kind != "newline":
-            head.append(self.tokens.popleft())
-        is_array = [token.kind for token in head[:2]] == ["[", "["]
-        parts = [token for token in head if token.kind in ("bare", "string")]
-        path: KeyPath = ()
-        for place, token in enumerate(parts, start=1):
-            path = (*path, _key_name(token))
-            self.lines.setdefault(path, token.line)
-            if is_array and place == len(parts):
-                self.repeats[path] = self.repeats.get(path, 0) + 1
-            if path in self.repeats:
-                path = (*path, self.repeats[path] - 1)
-                self.lines.setdefault(path, token.line)
-        return path
-
-    def value(self, path: KeyPath, *ends: str) -> None:
-        """Read up to a mark that ends the value; in it, elements of arrays and keys of inline tables."""
-        start = None
-        while self.tokens and self.tokens[0].kind not in ends:
-            token = self._next()
-            if start is None and token.kind != "=":
-                start = token.start
-            if token.kind in ("string", "bare", "other", "[", "{"):
-                self.lines.setdefault(path, token.line)
-            close = {"[": "]", "{": "}"}.get(token.kind, "")
-            for number in count() if close else ():
-                self.value((*path, number) if close == "]" else self.key(path), ",", close)
-                if not self.tokens or self._next().kind == close:
-                    break
-        if start is not None:
-            self.spans[path] = start, self.end
-
-    def _next(self) -> _Token:
-        token = self.tokens.popleft()
-        self.end = token.start + len(token.text)
-        return token
 
 
 # None of these is a key of any scene.

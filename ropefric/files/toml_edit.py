@@ -4,26 +4,23 @@ import json
 import re
 import tomllib
 from collections.abc import Mapping
-from contextlib import suppress
 from typing import Any
 
 from ropefric.errors import DataError
-from ropefric.files.toml import key_text, value_spans
+from ropefric.files.toml import HEADING, KEY, key_text, names_of, toml_lines
 
 Keys = tuple[str, ...]
 """The keys that lead from the top of a TOML file to a value, none of them in an array."""
 
-_HEADING = re.compile(r"^(# ?)?\[([^\[\]\n]+)\][ \t]*(?:#[^\n]*)?\r?(?:\n|\Z)", re.MULTILINE)
-_ANY_HEADING = re.compile(r"^(?:# ?)?\[", re.MULTILINE)
-_WAITING = r'^# ?({} *= *)(?:"[^"\n]*"|\[[^]\n]*\]|[^\s#"\[]+)'
+_VALUE = re.compile(r"""[^=\n]*=[ \t]*("(?:\\.|[^"\\\n])*"|'[^'\n]*'|\[[^\n]*\]|\{[^\n]*\}|[^\s#"'\[{]+)""")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def with_values(text: str, values: Mapping[Keys, Any]) -> str:
     r"""Return a TOML text in which some keys have other values; None for one that is removed.
 
-    A table or key that waits as a comment (`# [tare]`, `# interval = ...`) is put to use; any other new key follows the
-    heading of its table, and a new table the end of the text. A table that has lost its last key is removed.
+    A new key follows the heading of its table, and a new table the end of the text. A table that has lost its last key
+    is removed.
 
     Raises
     ------
@@ -32,7 +29,7 @@ def with_values(text: str, values: Mapping[Keys, Any]) -> str:
 
     Examples
     --------
-    >>> text = 'name = "A"  # mine\n[rope]\n# diameter = "1 mm"\n'
+    >>> text = 'name = "A"  # mine\n[rope]\n'
     >>> print(with_values(text, {("rope", "diameter"): "9 mm"}), end="")
     name = "A"  # mine
     [rope]
@@ -83,47 +80,29 @@ def _changed(tree: dict[str, Any], path: Keys, value: Any) -> dict[str, Any]:
     return tree
 
 
+def _line_of(text: str, path: Keys) -> tuple[int, int]:
+    """Return from where to where the line of a key or heading goes; (0, 0) where it has none."""
+    lines, number = text.split("\n"), toml_lines(text).get(path)
+    if number is None:
+        return 0, 0
+    heading, key = HEADING.fullmatch(lines[number - 1]), KEY.match(lines[number - 1])
+    is_there = names_of(heading[2]) == path if heading else key and names_of(key[1])[-1] == path[-1]
+    start = sum(len(line) + 1 for line in lines[: number - 1])
+    return (start, min(start + len(lines[number - 1]) + 1, len(text))) if is_there else (0, 0)
+
+
 def _with_value(text: str, path: Keys, value: Any) -> str:
-    """Return a text in which a key has a value: in its place, in an inline table, or in a line of its own."""
-    spans, table, last = value_spans(text), path[:-1], path[-1]
-    if path in spans:
-        start, stop = spans[path]
-        return text[:start] + toml_value(value) + text[stop:]
-    if isinstance(value, Mapping) and _heading(text, path):
-        old = _value_at(text, path)
-        changed = [key for key in {**old, **value} if old.get(key) != value.get(key)]
-        return with_values(text, {(*path, key): value.get(key) for key in changed})
-    if table in spans:
-        return _with_value(text, table, {**_value_at(text, table), last: value})
-    return _with_line(text, table, last, value)
-
-
-def _with_line(text: str, table: Keys, key: str, value: Any) -> str:
-    """Return a text with a new key: in the line that waits for it, below the heading of its table, or at the end."""
+    """Return a text in which a key has a value: in its place, or in a line of its own."""
+    written = _VALUE.match(text, *_line_of(text, path))
+    if written:
+        return text[: written.start(1)] + toml_value(value) + text[written.end(1) :]
     end = "\r\n" if "\r\n" in text else "\n"
-    line, heading, start = f"{toml_key(key)} = {toml_value(value)}{end}", _heading(text, table), 0
-    if table and heading is None:
+    table, line = path[:-1], f"{toml_key(path[-1])} = {toml_value(value)}{end}"
+    _, stop = _line_of(text, table)
+    if table and not stop:
         gap = "" if text.endswith(2 * end) else end if text.endswith(end) else 2 * end
         return f"{text}{gap}[{'.'.join(map(toml_key, table))}]{end}{line}"
-    if heading is not None:
-        mark = heading[1] or ""
-        text = text[: heading.start()] + text[heading.start() + len(mark) :]
-        start = heading.end() - len(mark)
-    following = _ANY_HEADING.search(text, start)
-    stop = following.start() if following else len(text)
-    waiting = re.compile(_WAITING.format(re.escape(toml_key(key))), re.MULTILINE).search(text, start, stop)
-    if waiting is None:
-        return text[:start] + line + text[start:]
-    return text[: waiting.start()] + waiting[1] + toml_value(value) + text[waiting.end() :]
-
-
-def _heading(text: str, table: Keys) -> re.Match[str] | None:
-    """Return the line that begins a table, perhaps as a comment."""
-    for found in _HEADING.finditer(text):
-        with suppress(tomllib.TOMLDecodeError):
-            if _value_at(f"[{found[2]}]", table) == {}:
-                return found
-    return None
+    return text[:stop] + line + text[stop:]
 
 
 def _value_at(text: str, path: Keys) -> Any:
@@ -135,12 +114,10 @@ def _value_at(text: str, path: Keys) -> Any:
 
 def _without(text: str, path: Keys) -> str:
     """Return a text without the line of a key, and without the headings of tables that are then empty."""
-    start, stop = value_spans(text).get(path, (0, 0))
-    if not stop:
-        return text
-    text = text[: text.rfind("\n", 0, start) + 1] + text[text.find("\n", stop) + 1 or len(text) :]
+    start, stop = _line_of(text, path)
+    text = text[:start] + text[stop:]
     for size in range(len(path) - 1, 0, -1):
-        heading = _heading(text, path[:size])
-        if heading is not None and not heading[1] and _value_at(text, path[:size]) == {}:
-            text = text[: heading.start()] + text[heading.end() :]
+        if _value_at(text, path[:size]) == {}:
+            start, stop = _line_of(text, path[:size])
+            text = text[:start] + text[stop:]
     return text

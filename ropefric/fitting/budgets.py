@@ -66,7 +66,7 @@ def measured_forces(extraction: Extraction) -> tuple[MeasuredForce, ...]:
         if len(kept) < 2:
             continue
         values_N, (shared, notes) = np.array([trial.measured_N for trial in kept]), _shared(kept)
-        if (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
+        if (ratio := 1.0 + trimming_bias(one.n, one.rule)) < 1.0:
             notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
         symbol = "F_B" if kept[0].measures_slack else "F_A"
         mean = repeats(

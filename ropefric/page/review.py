@@ -161,7 +161,7 @@ class _State:
 
     def kept_in(self, campaign: Campaign, stamps: Stamps) -> ByRow:
         """Return the results that hold in a changed campaign: same rows but for their lines, recordings, settings."""
-        if self.campaign.settings_fingerprint() != campaign.settings_fingerprint():
+        if self.campaign.settings() != campaign.settings():
             return {}
         were, kept = {row.trial: row for row in self.campaign.trials}, dict[str, tuple[TrialResult, ...]]()
         for row in campaign.trials:

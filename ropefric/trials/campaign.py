@@ -2,7 +2,6 @@
 
 import math
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -27,13 +26,12 @@ from ropefric.trials.campaign_model import (
     Campaign,
     CampaignFile,
     Protocol,
-    TrialSpec,
+    Rope,
+    Round,
     protocol_names,
 )
 from ropefric.trials.trial_list import (
     MISSING_RECORDING,
-    ReadList,
-    TrialContext,
     advise,
     radius_doubt,
     read_trials,
@@ -43,14 +41,6 @@ _HOW_TO_READ = "# How to read the recordings"
 MISSING_WAYS = ("error", "flag")
 TEMPLATES = ("campaign.toml", "trials.csv")
 """The files of a new campaign."""
-
-_NAME = re.compile(r"\w+")
-_SET_BY_TRIAL = {
-    "end_tension": "end_tension_N",
-    "lift_force": "lift_force_N",
-    "wrap_angle": "wrap_angle_deg",
-    "wrap": "wrap_angle_deg",
-}
 
 
 def write_templates(
@@ -141,7 +131,8 @@ def examine_campaign(
     """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
 
     `content` takes the place of what the campaign file contains, to check a change before it is written.
-    With an error in its list, trials of wrong rows are included, to check their recordings; unknown values are NaN.
+    With an error in its list, it has the trials of wrong rows too, but only those whose recordings are there, to check
+    these; unknown values are NaN.
     """
     document, unread = _document(path, content)
     if document is None:
@@ -149,33 +140,26 @@ def examine_campaign(
     model, wrong = validate_document(CampaignFile, document)
     doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))
-    trials_path, parent = document.data.get("trials"), Path(path).parent
+    trials_path, data = document.data.get("trials"), document.data.get("data", ".")
     if not isinstance(trials_path, str):
         return None, settings
-    data = document.data.get("data", ".")
-    folder = parent / (data if isinstance(data, str) else ".")
-    trial_list = parent / trials_path
-    listed = read_trials(trial_list, folder, _context(document, model, folder))
-    problems = settings + tuple(_flagged(listed.problems) if flag_missing else listed.problems)
+    folder = Path(path).parent / (data if isinstance(data, str) else ".")
+    trial_list = Path(path).parent / trials_path
+    trials, found = read_trials(trial_list, folder, model or _made_out(document), _needed(document))
+    problems = settings + tuple(_flagged(found) if flag_missing else found)
     if model is None or _has_error(settings):
         return None, problems
     if _has_error(problems):
-        trials = _with_recordings(listed)
+        gone = {one.line for one in problems if one.code == MISSING_RECORDING}
+        trials = tuple(trial for trial in trials if trial.line not in gone)
     else:
-        trials, alone = listed.trials, model.protocol.name in {"breakaway", "two-way"}
+        alone = model.protocol.name in {"breakaway", "two-way"}
         problems += advise(trials, trial_list.as_posix(), rule=model.rejection, one_trial_each=alone)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     more: dict[str, Any] = {"path": Path(path), "folder": folder, "trial_list": trial_list, "trials": trials}
     more |= {"sampling_rate_Hz": rate_Hz, "profile": replace(model.profile, sampling_rate_Hz=rate_Hz)}
     warnings = tuple(problem for problem in problems if problem.severity == "warning")
     return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
-
-
-def _with_recordings(listed: ReadList) -> tuple[TrialSpec, ...]:
-    """Return the rows of a list, wrong ones too, whose recordings are there."""
-    gone = {problem.line for problem in listed.problems if problem.code == MISSING_RECORDING}
-    there = (trial for trial in (*listed.trials, *listed.wrong) if trial.line not in gone)
-    return tuple(sorted(there, key=lambda trial: trial.line))
 
 
 def _has_error(problems: Iterable[Problem]) -> bool:
@@ -203,23 +187,21 @@ def _document(
     return (None, broken) if broken else (document, ())
 
 
-def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:
-    """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
-    needing, protocol = _cells_needed(document).items(), model.protocol if model else Protocol()
-    sizes = {name: wheel.radius_m for name, wheel in model.wheels.items()} if model else {}
-    return TrialContext(
-        folder=folder if kind_of_file(folder) == "folder" else None,
-        needed=(
-            *_tension_needed(document),
-            *(column for column, name in needing if name in COUNTS or document.table("cells")),
-        ),
-        wheels={name: sizes.get(name) for name in document.table("wheels")},
-        cells=tuple(document.table("cells")),
-        rope_radius_m=model.rope.radius_m if model else None,
-        start_s=protocol.start_s,
-        stop_s=protocol.stop_s,
-        protocol=protocol.name,
+def _made_out(document: TomlDocument) -> CampaignFile:
+    """Return what rows depend on of a file with errors: what its wheels and cells are called, all else as by default."""
+    return CampaignFile.model_construct(
+        wheels=dict.fromkeys(document.table("wheels"), Round.model_construct()),
+        cells=dict.fromkeys(document.table("cells")),
+        rope=Rope.model_construct(),
+        protocol=Protocol(),
     )
+
+
+def _needed(document: TomlDocument) -> tuple[str, ...]:
+    """Return the columns of the list with the tension that is known of each trial, and with its force cells."""
+    needing = _cells_needed(document).items()
+    named = (column for column, name in needing if name in COUNTS or document.table("cells"))
+    return (*_tension_needed(document), *named)
 
 
 def _tension_needed(document: TomlDocument) -> tuple[str, ...]:
@@ -237,8 +219,7 @@ def _tension_needed(document: TomlDocument) -> tuple[str, ...]:
 
 def _cells_needed(document: TomlDocument) -> dict[str, str]:
     """Return the columns of the list that must name a cell, with the channel that needs it."""
-    channels = document.table("import", "channels")
-    found = {}
+    channels, found = document.table("import", "channels"), dict[str, str]()
     for column, counts, force in (("cell", *COUNTS[:1], "force"), ("end_cell", *COUNTS[1:], "end_tension")):
         given = channels.get(force)
         volts = isinstance(given, dict) and not given.get("sensitivity") and str(given.get("unit", ""))
@@ -247,9 +228,6 @@ def _cells_needed(document: TomlDocument) -> dict[str, str]:
         elif volts and signal_unit(force, volts):
             found[column] = force
     return found
-
-
-_PLACES = ("channels", "derived")
 
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
@@ -278,20 +256,16 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
 
 def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
     """Try every formula on recordings without a single value, so that only the formula itself can fail."""
-    channels = document.table("import", "channels")
-    if not channels:
-        return  # the reader goes by the file's headers, which are not known here
+    nothing = np.full(3, math.nan)
+    known = dict.fromkeys(document.table("import", "channels"), nothing)
     constants = dict.fromkeys(document.table("import", "constants"), math.nan)
-    known = {name: np.full(3, np.nan) for name in channels}
-    for name, formula in document.table("import", "derived").items():
-        if not isinstance(formula, str):
-            continue
+    for name, formula in document.table("import", "derived").items() if known else ():
         try:
-            evaluate_derived({name: formula}, known, constants)
+            evaluate_derived({name: formula} if isinstance(formula, str) else {}, known, constants)
         except DataError as error:
             key = ("import", "constants") if "constants" in error.problem.key else ("import", "derived", name)
             yield document.problem(key, error.code, error.problem.message, fix=error.fix)
-        known[name] = np.full(3, np.nan)
+        known[name] = nothing
 
 
 def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
@@ -315,18 +289,3 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
         if said:
             fix = f"write what the data sheet states, such as {said[0]}"
             yield warn(("cells", name), "RF142", f"not stated, so assumed: {', '.join(said)}", fix=fix)
-    yield from _idle_channels(document, model)
-
-
-def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
-    """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
-    used = {name for formula in model.profile.derived.values() for name in _NAME.findall(str(formula))}
-    if not model.protocol.needs_lift_force:
-        used.add("end_tension")
-    for place in _PLACES:
-        for name in getattr(model.profile, place):
-            if name in _SET_BY_TRIAL and name not in used:
-                measured = name.replace("_", " ")
-                what = f"the measured {measured} is read, but not used: that of the trial list is"
-                fix = f"write its value at break-away into the column {_SET_BY_TRIAL[name]} of the trial list"
-                yield document.problem(("import", place, name), "RF141", what, fix=fix, warning=True)

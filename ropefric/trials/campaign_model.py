@@ -1,10 +1,8 @@
 """A measuring campaign: the tables of campaign.toml as pydantic models in SI, and the campaign that they make."""
 
-import hashlib
-import json
 import math
 import os
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,19 +12,17 @@ from zoneinfo import available_timezones
 from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
-from ropefric.errors import DataError, InputError, Problem
+from ropefric.errors import Problem
 from ropefric.files import toml_model as read
 from ropefric.files.text_table import ORDERS, THOUSANDS
 from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
-from ropefric.quantities import scaled_by, si_unit_of
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import ENDINGS, PICKERS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.signals import FORCES, si_scale
 from ropefric.trials.outliers import RULES
 from ropefric.trials.workers import Limits
 
@@ -34,7 +30,6 @@ SCHEMA = "ropefric.campaign/1"
 DECISIONS = "decisions.csv"
 """Beside the list of trials: what people decided about them."""
 _plain = partial(to_jsonable_python, by_alias=False)
-_SI_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
 _SEPARATORS = {"tab": "\t", "space": " "}
 
 _LENGTH, _FORCE = read.quantity("m", "40 mm", above=0), read.quantity("N", "60 N", above=0)
@@ -154,8 +149,6 @@ class Smoothing(StrictTable):
     """`[smoothing]`: the window [s], 0 for none, None for one that is found for each recording."""
 
     window_s: Annotated[float | None, PlainValidator(_window_s)] = Field(default=None, alias="window")
-    # The one way that is left; templates wrote it out.
-    peak: Annotated[str, PlainValidator(read.choice(lambda: ("smoothed",)))] = "smoothed"
 
     @property
     def mode(self) -> str:
@@ -174,9 +167,6 @@ class DesignWheel(StrictTable):
 class ReportWords(StrictTable):
     """`[report]`: text for the first page of a report; all keys are optional."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        "language": "leave it out: reports have decimal points; decimal commas in lists and recordings are still read"
-    }
     lab: Text = ""
     customer: Text = ""
     operator: Text = ""
@@ -201,24 +191,12 @@ def _channel(value: object) -> Channel:
     tare = value.get("tare")
     return Channel(
         column=_column(value["column"]),
-        unit=_unit(value.get("unit", "")),
-        sensitivity=_sensitivity(value),
+        unit=read.text(value.get("unit", "")),
+        sensitivity=read.text(value.get("sensitivity", "")),
         time=_column(value["time"]) if "time" in value else "",
         tare_s=None if tare is None else () if tare == "none" else _interval(tare),
         instead_of=read.text(value.get("instead_of", "")),
     )
-
-
-def _sensitivity(value: dict[str, object]) -> str:
-    sensitivity = read.text(value.get("sensitivity", ""))
-    if sensitivity:
-        try:
-            scaled_by(_unit(value.get("unit", "")), sensitivity)
-        except InputError as error:
-            what = error.problem.message.partition(": ")[2] or error.problem.message
-            fix = 'write the unit of the signal and newtons per unit, such as unit = "mV", sensitivity = "25 N/mV"'
-            reject(error.code, what, fix=fix, key="sensitivity")
-    return sensitivity
 
 
 def _column(value: object) -> str | int:
@@ -227,16 +205,6 @@ def _column(value: object) -> str | int:
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value < 2**31:
         reject("RF110", f"expected a column's header or its number from 1, got {got(value)}")
     return value
-
-
-def _unit(value: object) -> str:
-    unit = read.text(value)
-    if unit:
-        try:
-            si_unit_of(unit)
-        except InputError as error:
-            reject(error.code, error.problem.message.removeprefix("quantity: "), fix=error.fix, key="unit")
-    return unit
 
 
 def _separator(value: object) -> str:
@@ -262,16 +230,6 @@ def _import_profile(**given: Any) -> ImportProfile:
     if profile.separator and profile.separator == profile.decimal:
         reject("RF111", "separator and decimal mark are the same", key="decimal")
     channels = profile.channels
-    for name in _SI_UNITS.keys() & channels.keys():
-        if channels[name].unit:
-            try:
-                si_scale(name, channels[name].unit, channels[name].sensitivity)
-            except DataError:
-                unit, si_unit = channels[name].unit, _SI_UNITS[name]
-                fix = f"use a unit such as '{si_unit}'"
-                if name in FORCES:
-                    fix += ', or add what the signal means: sensitivity = "25 N/mV"'
-                reject("RF130", f"'{unit}' is not a unit of {name}", fix=fix, key=f"channels.{name}.unit")
     if channels and not {"force", "counts"} & (channels.keys() | profile.derived.keys()):
         fix = 'add force = { column = "...", unit = "N" }, or counts, or [import.derived] force = "..."'
         reject("RF121", "no channel gives the force", fix=fix, key="channels")
@@ -489,8 +447,8 @@ class Campaign(CampaignFile, Shown):
         """Return the version of the file format."""
         return self.schema_name
 
-    def settings_fingerprint(self) -> str:
-        """Return the SHA-256 of all settings that every recording's extraction depends on.
+    def settings(self) -> dict[str, Any]:
+        """Return all settings that every recording's extraction depends on.
 
         Cells, converter, protocol, sampling, tare, smoothing, weights and import profile count; names, the
         rope, wheels (but for their tolerances), rejection, design, limits and the trial list do not: what differs
@@ -500,28 +458,27 @@ class Campaign(CampaignFile, Shown):
             *("cells", "adc", "protocol", "sampling_rate_Hz", "tare_interval_s", "smoothing"),
             *("weights_tolerance", "profile"),
         )
-        settings = {name: _plain(getattr(self, name)) for name in names}
-        if used := provenance("READER", "PROTOCOL"):
-            settings["plugins"] = [one["sha256"] for one in used]
-        settings["radius_std_m"] = [one.radius_std_m for one in (self.rope, *self.wheels.values())]
-        text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
-        return hashlib.sha256(text.encode()).hexdigest()
+        settings = {name: getattr(self, name) for name in names}
+        settings["plugins"] = [one["sha256"] for one in provenance("READER", "PROTOCOL")]
+        return settings | {"radius_std_m": [one.radius_std_m for one in (self.rope, *self.wheels.values())]}
 
     def resolved(self) -> dict[str, Any]:
-        """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        elsewhere = {"trial_list", "data", "limits", "schema_name"}
-        elsewhere |= {"path", "folder", "trials", "warnings", "plugins"}  # said below in other words
+        """Return the campaign file, defaults included, as JSON-able data without paths."""
+        elsewhere = {
+            "trial_list",
+            "data",
+            "limits",
+            "schema_name",
+            "path",
+            "folder",
+            "trials",
+            "warnings",
+            "plugins",
+        }
         tree: dict[str, Any] = {"schema": self.schema_name, **_plain(self, exclude=elsewhere)}
         tree["smoothing"]["mode"] = self.smoothing.mode
-        tree["path"] = self.path.name
-        tree["folder"] = self.relative(self.folder)
         if used := provenance():
             tree["plugins"] = used
-        tree["trials"] = []
-        for trial in self.trials:
-            row = _plain(trial) | {"file": self.relative(trial.path)}
-            tree["trials"].append({key: row[key] for key in row if key not in ("path", "line")})
-        tree["warnings"] = [problem.message for problem in self.warnings]
         return tree
 
     def relative(self, path: Path) -> str:

@@ -3,7 +3,7 @@
 import csv
 import os
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -27,8 +27,6 @@ SLIP = 0.8
 """Closer than this a strange name is more likely a slip than a column of the user's own."""
 
 _NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
-_GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
-_WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
 POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
@@ -38,7 +36,6 @@ POSITIVE = {
 }
 _BLANK = ",;\t\r\v\f "
 """Characters of empty cells: a spreadsheet writes empty rows as ";;;;"."""
-_MARKS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 Quantity = tuple[str, str, float]
 """A column: field, SI unit of the written number, and the factor from there to the field."""
@@ -265,24 +262,21 @@ def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None
 
 
 def _torn(table: CellTable, split: Sequence[tuple[int, tuple[str, ...] | None]]) -> Iterator[Problem]:
-    """Yield the rows whose quotes are not closed, then those of too few or too many cells."""
-    message, n = "a quoted cell is not closed on its line, or text follows its end", len(table.header)
-    fix = "keep each row on one line and close the quotes"
-    yield from (table.problem(line, "", "RF103", message, fix) for line, cells in split if cells is None)
+    """Yield the rows whose quotes are not closed, or that have too few or too many cells."""
+    n = len(table.header)
     for line, cells in split:
-        if cells is None or len(cells) == n:
-            continue
-        message = f"{len(cells)} cells, but the header has {n} columns"
-        if cells[0].startswith("#"):  # not dropped in silence: a trial may be called so
-            fix = "put comments above the header; below it every line is a trial"
-            yield table.problem(line, "", "RF103", f"taken for a comment: {message}", fix, warning=True)
-            continue
-        fix = f"write a {_MARKS[table.separator]} for every column, also where a cell is empty"
-        if table.separator == "," and len(cells) > n:
-            fix = 'put text with a comma in "quotes"'
-            if Counter(cell.lstrip("+-").isdigit() for cell in cells)[True] > 1:
-                fix = f"if numbers have a decimal comma, separate the columns by ';'; otherwise {fix}"
-        yield table.problem(line, "", "RF103", message, fix)
+        if cells is None:
+            message = "a quoted cell is not closed on its line, or text follows its end"
+            fix = "keep each row on one line and close the quotes"
+            yield table.problem(line, "", "RF103", message, fix)
+        elif len(cells) != n:
+            fix = "write a cell for every column, also an empty one; put comments above the header"
+            if len(cells) > n:
+                fix = 'put text with separators in "quotes"'
+                if table.separator == ",":
+                    fix = f"if numbers have a decimal comma, separate the columns by ';'; {fix}"
+            message = f"{len(cells)} cells, but the header has {n} columns"
+            yield table.problem(line, "", "RF103", message, fix)
 
 
 def word_of(name: str) -> str:
@@ -322,7 +316,8 @@ def _factor(unit: str, si_unit: str) -> Decimal:
 def read_number(cell: str, column: Column, decimal: str) -> float:
     """Return a cell's number in SI, or refuse it."""
     if not _NUMBER.fullmatch(cell):
-        raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=_text_fix(cell, column))
+        fix = "write a plain number without a unit or marks between thousands, or leave the cell empty if it is optional"
+        raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=fix)
     plain = cell.replace(",", ".")
     if decimal == "." and "," in cell:
         message = f"'{cell}' has a decimal comma in a table separated by commas"
@@ -345,12 +340,3 @@ def read_number(cell: str, column: Column, decimal: str) -> float:
     if column.field == "dwell_s" and value < 0:
         raise InputError(f"{written} of dwell is negative", code="RF110", fix="write 0 or more")
     return value
-
-
-def _text_fix(cell: str, column: Column) -> str:
-    if _GROUPED.fullmatch(cell):
-        return "write the number without marks between thousands"
-    united = _WITH_UNIT.fullmatch(cell)
-    if united:
-        return f"write {united[1]}; the unit is in the header, '{column.header}'"
-    return "write a plain number, or leave the cell empty if it is optional"

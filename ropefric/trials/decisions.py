@@ -5,7 +5,7 @@ peak_N, exclude, why and by; a line without a decision takes back the one before
 one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -13,9 +13,8 @@ from typing import NamedTuple
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import append_file, kind_of_file, read_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
-from ropefric.quantities import unit_factor
 from ropefric.trials.campaign_model import TrialSpec
-from ropefric.trials.cells import CellTable, Column, Quantity, given_numbers, read_cells
+from ropefric.trials.cells import CellTable, Quantity, given_numbers, read_cells
 
 _NUMBERS: dict[str, Quantity] = {"pick": ("pick_s", "s", 1.0), "peak": ("peak_N", "N", 1.0)}
 _TEXTS = ("trial", "exclude", "why", "by", "when", "file")
@@ -75,41 +74,27 @@ def read_decisions(path: Path) -> tuple[dict[str, Decision], CellTable, tuple[Pr
 
 
 def add_decisions(path: Path, decisions: Sequence[Decision], before: bytes) -> bytes:
-    """Put decisions at the end of the file, which said `before`, in one piece, and return the bytes that were added.
-
-    They are written with the columns, separator and decimal mark that stand there.
-    """
-    _, table, problems = read_decisions(path)
-    problem = next((one for one in problems if one.severity == "error"), None)
-    if problem is not None:
-        raise DataError(problem.message, code=problem.code, path=path, line=problem.line, fix=problem.fix)
+    """Put decisions at the end of the file, which said `before`, in one piece, and return the bytes that were added."""
+    names = Decision._fields[:-1]
     try:
-        before.decode("utf-8-sig")
+        head = before.decode("utf-8-sig").split("\n", 1)[0].strip()
     except UnicodeDecodeError:
-        raise InputError(
-            "the file is no UTF-8 text", code="RF108", path=path, fix="save it as UTF-8"
-        ) from None
-    head = [] if before else [table.header]
+        head = "no UTF-8 text"
+    if before and head != ",".join(names):
+        why, fix = f"the file does not begin as ropefric writes it, but with {head[:60]}", ",".join(names)
+        fix = f"save it as CSV in UTF-8 with the header {fix}, or move it away"
+        raise InputError(why, code="RF108", path=path, fix=fix)
     ended = "\n" if before and not before.endswith(b"\n") else ""
-    columns, _, _ = table.bind(_NUMBERS, _TEXTS)
-    mark = table.decimal_mark(columns)
-    rows = [_row(columns, mark, len(table.header), one) for one in decisions]
-    added = (ended + csv_text([*head, *rows], separator=table.separator)).encode()
+    rows = [[_cell(getattr(one, name)) for name in names] for one in decisions]
+    added = (ended + csv_text([*([] if before else [names]), *rows])).encode()
     append_file(path, added, is_new=not before)
     return added
 
 
-def _row(columns: Mapping[str, Column], decimal_mark: str, width: int, decision: Decision) -> list[str]:
-    """Return the line of a decision, with the columns and the decimal mark of a table of this many columns."""
-    row = [""] * width
-    for name, column in columns.items():
-        value = getattr(decision, name)
-        if isinstance(value, str):
-            row[column.index] = to_spreadsheet(" ".join(value.split()))
-        elif value is not None:
-            number = value / unit_factor(column.unit, column.si_unit)
-            row[column.index] = f"{number:.12g}".replace(".", decimal_mark)
-    return row
+def _cell(value: str | float | None) -> str:
+    if isinstance(value, str):
+        return to_spreadsheet(" ".join(value.split()))
+    return "" if value is None else f"{value:.12g}"
 
 
 def content_of(path: Path) -> bytes:

@@ -27,7 +27,7 @@ from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.calibration import OVERLOAD, Calibration, cell_std_N, end_tension_std_N, force_std_N
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, runs_of
 from ropefric.traces.protocols import PROTOCOLS, pick_at
-from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
+from ropefric.traces.readers import READERS, read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.segments import upright
 from ropefric.traces.trace import ForceTrace
@@ -80,7 +80,8 @@ def extract_rows(
     if trusted:
         running = ((place, work(place)) for place in range(len(files)))
     else:
-        _preload(work)
+        import pandas  # noqa: F401, ICN001, PLC0415  (once, before processes are forked that need it)
+
         running = _results(work, jobs, executor)
     with closing(running):  # ends its processes
         for count, (place, results) in enumerate(running, start=1):
@@ -204,7 +205,7 @@ _Looked = tuple[tuple[str, ...], tuple[Problem, ...]]
 
 
 def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: int) -> _Looked:
-    ending, specs = [*kinds.items()][place]
+    specs = [*kinds.values()][place]
     failed: list[Problem] = []
     for spec in (specs[0], specs[-1])[: len(specs)]:
         try:
@@ -216,16 +217,7 @@ def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: i
         facts = f"{spec.file}: {counted(trace.force_N.size, 'sample')}, {trace.sampling_rate_Hz:.5g} Hz"
         told = (replace(problem, severity="warning") for problem in failed)
         return ("; ".join([facts, *trace.notes]),), (*told, *problems)
-    more = f"; so it is with others of the {len(specs)} that end in {ending!r}" if len(specs) > 1 else ""
-    return (), (replace(failed[0], message=f"{failed[0].message}{more}"),)
-
-
-def _preload(work: _Work) -> None:
-    """Load what every process will need once, before they are forked."""
-    if work.files:
-        with suppress(RopefricError):
-            if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
-                import pandas  # noqa: ICN001, F401, PLC0415
+    return (), tuple(failed[:1])
 
 
 # --- what one recording gives ---

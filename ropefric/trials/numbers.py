@@ -8,20 +8,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isfinite, nan
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any
 
-from ropefric.quantities import split_unit_suffix, unit_factor
+from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway
-
-
-class OnPage(NamedTuple):
-    """How and where the review page shows a number: its own words, unit, digits, and the column of its scatter."""
-
-    place: int
-    words: str
-    unit: str = ""
-    digits: int = 4
-    std: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,8 +36,8 @@ class TrialColumn:
         As in the field.
     drawn : str
         What the rope does at this force: it is drawn in figures of recordings; not drawn where this is empty.
-    on_page : OnPage or None
-        How the review page shows it.
+    on_page : str
+        What the review page calls it; not shown there where this is empty.
     read_as : tuple of str
         What trial tables may call it, without the unit, beside what every fit reads.
     """
@@ -60,7 +50,7 @@ class TrialColumn:
     brief: str = ""
     symbol: str = ""
     drawn: str = ""
-    on_page: OnPage | None = None
+    on_page: str = ""
     read_as: tuple[str, ...] = ()
 
     @property
@@ -76,14 +66,6 @@ class TrialColumn:
     def heading(self, words: str) -> str:
         """Return words with the unit."""
         return f"{words} [{self.unit}]" if self.unit else words
-
-    def shown_on_page(self, trial: Any) -> list[Any]:
-        """Return words, number, its scatter, unit and digits as the review page shows them."""
-        how = self.on_page or OnPage(0, self.name)
-        factor = unit_factor(self.unit, how.unit) if how.unit else 1.0
-        std = column(how.std).taken(trial) if how.std else nan
-        value = self.taken(trial)
-        return [how.words, value if factor == 1.0 else value * factor, std, how.unit, how.digits]
 
 
 def candidates_in_words(found: Breakaway) -> str:
@@ -122,12 +104,12 @@ COLUMNS: tuple[TrialColumn, ...] = (
     *_of_trial("end_tension_set_N", is_set=True, read_as=("end_tension_set",)),
     *_of_trial("peak_N", "peak_std_N", "cell_std_N"),
     _also("peak_raw_N", _raw_N),
-    _picked("probability", on_page=OnPage(0, "probability", digits=2)),
+    _picked("probability", on_page="probability"),
     _picked("peak_time_s"),
     _picked("bias_N"),
-    _picked("window_s", on_page=OnPage(4, "smoothed over", "ms", 3)),
-    _picked("noise_std_N", on_page=OnPage(3, "noise of a sample", "N", 3)),
-    _picked("loading_rate_N_s", words="loading rate", rank=1, on_page=OnPage(5, "loading rate", "N/s")),
+    _picked("window_s", on_page="smoothed over"),
+    _picked("noise_std_N", on_page="noise of a sample"),
+    _picked("loading_rate_N_s", words="loading rate", rank=1, on_page="loading rate"),
     _picked("measured_dwell_s", "dwell_s", words="dwell", rank=1),
     _picked(
         "kinetic_N",
@@ -135,15 +117,15 @@ COLUMNS: tuple[TrialColumn, ...] = (
         brief="mean kinetic",
         symbol="F_k",
         drawn="sliding",
-        on_page=OnPage(1, "kinetic force", "N", 5, std="kinetic_std_N"),
+        on_page="kinetic force",
         read_as=("kinetic", "kinetic_force"),
     ),
     _picked("kinetic_std_N"),
     *_of_trial("kinetic_mean_std_N", read_as=("kinetic_mean_std",)),
     _picked("sliding_s", "kinetic_s"),
-    _picked("drop_N", words="drop", on_page=OnPage(2, "drop", "N")),
+    _picked("drop_N", words="drop", on_page="drop"),
     _picked("trough_N", words="trough"),
-    _picked("n_slips", words="slips", on_page=OnPage(6, "stick-slip events")),
+    _picked("n_slips", words="slips", on_page="stick-slip events"),
     _picked("recurrence_s", words="recurrence"),
     *_of_trial("mu", words="μ", rank=2),
     *_of_trial("mu_std"),
@@ -176,9 +158,8 @@ def summarised() -> list[TrialColumn]:
 
 
 def on_page(trial: Any) -> list[list[Any]]:
-    """Return what the review page shows of a trial beside the break-away force, each as `shown_on_page`."""
-    shown = [(one.on_page.place, one) for one in COLUMNS if one.on_page]
-    return [one.shown_on_page(trial) for _, one in sorted(shown, key=lambda item: item[0])]
+    """Return words, number and unit of what the review page shows of a trial beside the break-away force."""
+    return [[one.on_page, one.taken(trial), one.unit] for one in COLUMNS if one.on_page]
 
 
 def levels_drawn(trial: Any) -> list[tuple[TrialColumn, float]]:

@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from difflib import get_close_matches
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -54,8 +53,6 @@ _FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
 # there are none [-].
 _FAR, _TYPICAL_SCATTER = 4.0, 0.02
 _HASH_DIGITS = 64
-# Warnings about single rows; beyond, only their number.
-_MOST_NAMED = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -375,34 +372,17 @@ def _columns_of(table: cells.CellTable) -> tuple[cells.Columns, list[Problem]]:
     united = {cells.word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
-    there = {*columns, *(_field_like(problem.key) for problem in found)}
-    return columns, [*found, *_strange_columns(table, others, there)]
-
-
-def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
-    """Yield what columns that are not known may have meant, and which are missing.
-
-    A column with a wrong unit is there; that it is missing as well would only confuse.
-    """
     for name in others:
-        if cells.stem_of(name) in _PASSED_OVER:
-            continue
-        near, meant = table.near_miss(name, QUANTITIES, _TEXTS), _field_like(name)
-        if near and meant in _REQUIRED and meant not in there:
-            there.add(meant)
-            near = [replace(near[0], message="this column is not known", severity="error")]
-        yield from near
-    for name, example in _REQUIRED.items():
-        if name not in there:
-            named = name.rsplit("_", 1)[0].replace("_", " ").replace("peak", "break-away force")
-            message = f"there is no column for the {named}; every trial needs one"
-            fix = f"add a column {example} (in any unit, as part of the name)"
-            yield table.problem(table.header_line, "", "RF121", message, fix)
-
-
-def _field_like(name: str) -> str:
-    close = get_close_matches(cells.stem_of(name), QUANTITIES, n=1, cutoff=cells.SLIP)
-    return QUANTITIES[close[0]][0] if close else ""
+        if cells.stem_of(name) not in _PASSED_OVER:
+            found += table.near_miss(name, QUANTITIES, _TEXTS)
+    # With a wrong unit a column is there; that it is missing as well would only confuse.
+    missing = () if any(one.severity == "error" for one in found) else _REQUIRED.keys() - columns.keys()
+    for name in sorted(missing):
+        named = name.rsplit("_", 1)[0].replace("_", " ").replace("peak", "break-away force")
+        message = f"there is no column for the {named}; every trial needs one"
+        fix = f"add a column {_REQUIRED[name]} (in any unit, as part of the name)"
+        found.append(table.problem(table.header_line, "", "RF121", message, fix))
+    return columns, found
 
 
 def _below_by_scatter(numbers: Mapping[str, FloatArray], used: BoolArray) -> BoolArray:
@@ -479,20 +459,14 @@ def _rows_twice(
 ) -> Iterator[Problem]:
     """Yield a warning for rows that agree in every number: measured twice alike, or pasted twice."""
     values = np.stack([numbers[name] for name in _REQUIRED], axis=-1)
-    first: dict[tuple[float, ...], int] = {}
-    fix, n_more = "remove the row if it was pasted twice: it would count as a repeat", -_MOST_NAMED
-    for place in np.flatnonzero(kept & ~np.isnan(values).any(axis=1)).tolist():
-        line, _ = table.rows[place]
-        earlier = first.setdefault(tuple(values[place].tolist()), line)
-        if earlier == line:
-            continue
-        n_more += 1
-        if n_more <= 0:
-            message = f"all numbers are those of line {earlier}"
-            yield table.problem(line, "", "RF122", message, fix, warning=True)
-    if n_more > 0:
-        message = f"{n_more} more rows have all the numbers of an earlier one"
-        yield table.problem(None, "", "RF122", message, fix, warning=True)
+    usable = np.flatnonzero(kept & ~np.isnan(values).any(axis=1))
+    _, first = np.unique(values[usable], axis=0, return_index=True)
+    again = np.delete(usable, first)
+    if again.size:
+        rows = counted(again.size, "row")
+        message = f"{rows} with all numbers of an earlier one, the first here"
+        fix = "remove what was pasted twice: it would count as a repeat"
+        yield table.problem(table.rows[int(again[0])][0], "", "RF122", message, fix, warning=True)
 
 
 def _cut_off(table: cells.CellTable) -> Iterator[Problem]:

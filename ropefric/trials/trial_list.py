@@ -5,12 +5,10 @@ import math
 import os
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
-from difflib import get_close_matches
 from functools import partial
 from itertools import chain, count
 from pathlib import Path, PurePath, PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +20,13 @@ from ropefric.friction.condition import condition_groups
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.trials import cells
-from ropefric.trials.campaign_model import DECISIONS, TrialSpec
+from ropefric.trials.campaign_model import DECISIONS, CampaignFile, Protocol, TrialSpec
 from ropefric.trials.decisions import Decision, read_decisions
 
 MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
 FEWEST_REPEATS = 6
 
-_SLIP = 0.75
 TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
 QUANTITIES = {
     **cells.SETTINGS,
@@ -40,7 +37,7 @@ QUANTITIES = {
     "until": ("stop_s", "s", 1.0),
     "pick": ("pick_s", "s", 1.0),
 }
-DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
+_DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
 """Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     **cells.POSITIVE,
@@ -49,22 +46,6 @@ _MEANINGS = {
     "cell": "a force cell, for its recording is in counts",
     "end_cell": "the force cell of its slack side, which is in counts",
 }
-
-
-class TrialContext(NamedTuple):
-    """The parts of the campaign file that rows depend on, as far as they could be read.
-
-    `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
-    """
-
-    folder: Path | None
-    needed: tuple[str, ...]
-    wheels: Mapping[str, float | None]
-    cells: tuple[str, ...]
-    rope_radius_m: float | None
-    start_s: float | None
-    stop_s: float | None
-    protocol: str
 
 
 class _Row:
@@ -95,13 +76,8 @@ class _Row:
             self.texts["by"] = self.texts["when"] = ""
         self.decided = decision, of
 
-    @property
-    def is_there(self) -> bool:
-        """Return whether the recording was found."""
-        return all(one.code != MISSING_RECORDING for one in self.problems)
-
     def doubt(self, name: str, code: str, message: str, fix: str) -> None:
-        """Record an error of a decision at its place."""
+        """Record an error of a decision where that stands."""
         if self.decided is None:
             self.say(name, code, message, fix)
         else:
@@ -122,47 +98,37 @@ class _Row:
                 self.say(name, "RF121", what, "fill the cell")
 
 
-class ReadList(NamedTuple):
-    """The rows that can be used; of the others those whose recording can be looked at; and all that is wrong."""
+def read_trials(
+    path: str | os.PathLike[str], folder: Path, campaign: CampaignFile, needed: Sequence[str]
+) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
+    """Return the rows of a list about recordings in a folder, and all that is wrong.
 
-    trials: tuple[TrialSpec, ...] = ()
-    wrong: tuple[TrialSpec, ...] = ()
-    problems: tuple[Problem, ...] = ()
-
-
-def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContext) -> ReadList:
-    """Return the rows of a list about recordings in a folder."""
+    Of wrong rows, whose recordings can yet be looked at, unknown numbers are NaN.
+    `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
+    """
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
-        return ReadList(problems=tuple(map(_of_campaign, error.problems)))
-    decided = DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
+        return (), error.problems
+    decided = _DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
-    problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
+    problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else needed)]
     if not torn and not table.rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
     _refuse_twice(rows)
-    if context.folder is not None:
-        _refuse_missing(rows, context.folder)
+    if kind_of_file(folder) == "folder":
+        _refuse_missing(rows, folder)
     _name(rows)
-    if Path(path).name != DECISIONS:
-        problems += _decide(rows, Path(path).with_name(DECISIONS))
-    trials, bad = list[TrialSpec](), list[TrialSpec]()
+    problems += _decide(rows, Path(path).with_name(DECISIONS))
     for place, row in enumerate(rows):
-        whole = _check(row, wrong[place], context, wrong_header=bool(refused))
+        row.problems += wrong[place]
+        _check(row, campaign, needed, wrong_header=bool(refused))
         problems += row.problems
-        if whole or row.is_there:
-            (trials if whole else bad).extend(_trial(row, others, folder, context, whole=whole))
-    return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
-
-
-def _of_campaign(problem: Problem) -> Problem:
-    """Return a problem of a list that is not there as one of the campaign file, which names it."""
-    fix = "check the path, relative to the campaign file"
-    return replace(problem, fix=fix) if "no such file" in problem.message else problem
+    trials = tuple(_trial(row, others, folder, campaign) for row in rows if row.file)
+    return trials, tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
@@ -183,102 +149,12 @@ def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
             row.decide(decision, table)
 
 
-def _check_header(
-    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext | None
-) -> Iterator[Problem]:
-    """Yield likely meanings of unknown columns, and the missing ones, where a context states the needed ones."""
-    # A mistyped header says more than the consequence that its column is missing.
-    missing = list(_missing_columns(table, columns, others, context)) if context else []
-    mistyped = {problem.key for problem in missing}
-    for name in others:
-        if name not in mistyped:
-            yield from table.near_miss(name, QUANTITIES, TEXTS)
-        if cells.stem_of(name) == "peak":
-            fix = "add the columns why and by, if it is a decision about the break-away"
-            yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
-    yield from missing
-    yield from _unnamed_columns(table)
-
-
-def _missing_columns(
-    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext
-) -> Iterator[Problem]:
-    """Yield that a column is missing, or that its name is mistyped."""
-    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"}
-    needed |= {name: name for name in context.needed if name.endswith("_N")}
-    if not {"wheel", "wheel_radius_m"} & columns.keys():
-        needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-    needed |= {name: name for name in context.needed}
-    for name, header in needed.items():
-        if name in columns:
-            continue
-        known = header.split(maxsplit=1)[0]
-        key, code, fix = known, "RF121", f"add the column {header}"
-        message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
-        if near := get_close_matches(known, others, n=1, cutoff=_SLIP):
-            key, code, message = near[0], "RF120", "this column is not known"
-            fix = did_you_mean(near[0], [known])
-        yield table.problem(table.header_line, key, code, message, fix)
-
-
-def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
-    """Yield a problem for every column without a name that holds something."""
-    for index, name in enumerate(table.header):
-        held = next((row for row in table.rows if not name and row[1][index]), None)
-        if held is not None:
-            message = f"column {index + 1} has no name, but holds '{held[1][index][:60]}'"
-            fix = "name it; a column whose name starts with '_' is ignored"
-            yield table.problem(held[0], "", "RF120", message, fix)
-
-
-def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | None]:
-    return row.numbers.get("start_s", context.start_s), row.numbers.get("stop_s", context.stop_s)
-
-
-def _check(row: _Row, wrong: Sequence[Problem], context: TrialContext, *, wrong_header: bool) -> bool:
-    """Record wrong, missing, unknown or contradictory values of a row; return whether there are none."""
-    before = len(row.problems)
-    row.problems += wrong
-    tensions = [name for name in context.needed if name.endswith("_N")]
-    row.need("file", "wrap_angle_rad", *tensions)
-    for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
-        if (word := row.texts.get(name, "")) and word not in known:
-            fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
-            fix = did_you_mean(word[:80], known) if known else fix
-            row.say(name, "RF120", f"unknown {name} '{word}'", fix)
-    _check_wheel(row, context, wrong_header=wrong_header)
-    row.need(*(name for name in context.needed if name not in tensions))
-    _check_interval(row, context)
-    _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
-    return len(row.problems) == before
-
-
-def _check_interval(row: _Row, context: TrialContext) -> None:
-    """Take note of a part of the recording that ends before it begins."""
-    start_s, stop_s = _interval(row, context)
-    if start_s is not None and stop_s is not None and not start_s < stop_s:
-        place = "stop_s" if "stop_s" in row.columns else "start_s"
-        message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
-        row.say(place, "RF111", message, "give an end after the start")
-
-
-def _check_wheel(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
-    """Take note of a wheel that is neither named nor measured, or both and not alike."""
-    wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
-    known_m = context.wheels.get(wheel)
-    if not wheel and radius_m is None and not wrong_header:
-        row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
-    elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
-        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
-        row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
-
-
 def _check_decision(row: _Row, *, alone: bool) -> None:
-    """Record missing or superfluous values of a decision; `alone`: the only trial of its recording."""
+    """Take note of what a decision lacks or has twice; `alone`: the only trial of its recording."""
     given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
+    if "peak_std_N" in row.numbers and "peak_N" not in given:
+        row.doubt("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
     if not given:
-        if "peak_std_N" in row.numbers:
-            row.doubt("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
         return
     if len(given) > 1:
         row.doubt("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
@@ -295,30 +171,96 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
         row.doubt(given[0], "RF111", message, fix)
 
 
-def _trial(
-    row: _Row, own: Sequence[str], folder: Path, context: TrialContext, *, whole: bool
-) -> Iterator[TrialSpec]:
-    """Yield a row in SI, with NaN for what one that is not `whole` lacks; nothing where the campaign file lacks it.
+def _check_header(
+    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], asked: Sequence[str] | None
+) -> Iterator[Problem]:
+    """Yield that columns of those `asked` for are missing, and likely meanings of unknown ones."""
+    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in asked or ()}
+    if not {"wheel", "wheel_radius_m"} & columns.keys():
+        needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
+    for name, header in needed.items() if asked is not None else ():
+        if name in columns:
+            continue
+        message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
+        key, fix = (
+            header.split(maxsplit=1)[0],
+            f"add the column {header}, or correct the name of the one that holds it",
+        )
+        yield table.problem(table.header_line, key, "RF121", message, fix)
+    for name in others:
+        yield from table.near_miss(name, QUANTITIES, TEXTS)
+        if cells.stem_of(name) == "peak":
+            fix = "add the columns why and by, if it is a decision about the break-away"
+            yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
+    yield from _unnamed_columns(table)
 
-    The user's `own` columns are kept, but not used.
-    """
-    wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
+
+def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
+    """Yield a problem for every column without a name that holds something."""
+    for index, name in enumerate(table.header):
+        held = next((row for row in table.rows if not name and row[1][index]), None)
+        if held is not None:
+            message = f"column {index + 1} has no name, but holds '{held[1][index][:60]}'"
+            fix = "name it; a column whose name starts with '_' is ignored"
+            yield table.problem(held[0], "", "RF120", message, fix)
+
+
+def _interval(row: _Row, protocol: Protocol) -> tuple[float | None, float | None]:
+    return row.numbers.get("start_s", protocol.start_s), row.numbers.get("stop_s", protocol.stop_s)
+
+
+def _check(row: _Row, campaign: CampaignFile, needed: Sequence[str], *, wrong_header: bool) -> None:
+    """Record missing, unknown or contradictory values of a row."""
+    row.need("file", "wrap_angle_rad", *needed)
+    for name, known in _described(campaign).items():
+        if (word := row.texts.get(name, "")) and word not in known:
+            fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
+            fix = did_you_mean(word[:80], known) if known else fix
+            row.say(name, "RF120", f"unknown {name} '{word}'", fix)
+    _check_wheel(row, campaign, wrong_header=wrong_header)
+    _check_interval(row, campaign.protocol)
+    _check_decision(row, alone=campaign.protocol.name == "breakaway" and row.sample != "*")
+
+
+def _described(campaign: CampaignFile) -> dict[str, Mapping[str, Any]]:
+    """Return what the campaign file describes, by the column that names it."""
+    return {"wheel": campaign.wheels, "cell": campaign.cells, "end_cell": campaign.cells}
+
+
+def _check_interval(row: _Row, protocol: Protocol) -> None:
+    """Take note of a part of the recording that ends before it begins."""
+    start_s, stop_s = _interval(row, protocol)
+    if start_s is not None and stop_s is not None and not start_s < stop_s:
+        place = "stop_s" if "stop_s" in row.columns else "start_s"
+        message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
+        row.say(place, "RF111", message, "give an end after the start")
+
+
+def _check_wheel(row: _Row, campaign: CampaignFile, *, wrong_header: bool) -> None:
+    """Take note of a wheel that is neither named nor measured, or both and not alike."""
+    wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
+    known_m = campaign.wheels[wheel].radius_m if wheel in campaign.wheels else None
+    if not wheel and radius_m is None and not wrong_header:
+        row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
+    elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
+        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
+        row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
+
+
+def _trial(row: _Row, own: Sequence[str], folder: Path, campaign: CampaignFile) -> TrialSpec:
+    """Return a row in SI, with NaN for what a wrong one lacks; the user's `own` columns are kept, but not used."""
+    start_s, stop_s = _interval(row, campaign.protocol)
+    wheel, described = campaign.wheels.get(row.texts.get("wheel", "")), _described(campaign)
     settings = {
-        "wheel_radius_m": wheel_m,
-        "rope_radius_m": row.numbers.get("rope_radius_m", context.rope_radius_m),
-        "wrap_angle_rad": row.numbers.get("wrap_angle_rad"),
+        "wheel_radius_m": wheel.radius_m if wheel else math.nan,
+        "rope_radius_m": campaign.rope.radius_m,
+        "wrap_angle_rad": math.nan,
     }
-    texts = row.texts
-    if not whole:
-        settings = {name: math.nan if value is None else value for name, value in settings.items()}
-        known = {**dict.fromkeys(("cell", "end_cell"), context.cells), "wheel": context.wheels}
-        texts = {name: text for name, text in texts.items() if name not in known or text in known[name]}
-    if None not in settings.values() and row.file:
-        start_s, stop_s = _interval(row, context)
-        of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
-        of_row |= {"trial": row.name, **settings}
-        kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
-        yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+    texts = {name: text for name, text in row.texts.items() if text in described.get(name, (text,))}
+    given: dict[str, Any] = {**settings, **texts, **row.numbers}
+    given |= {"trial": row.name, "start_s": start_s, "stop_s": stop_s}
+    kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
+    return TrialSpec(**given, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
@@ -412,29 +354,19 @@ _Warn = Callable[..., Problem]
 
 
 def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    found: dict[tuple[str, str], list[tuple[str, int]]] = {}
     for trial in trials:
         for key, message, fix in _doubts_of(trial):
-            found.setdefault((key, fix), []).append((message, trial.line))
-    for (key, fix), hits in found.items():
-        more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""
-        message, line = hits[0]
-        yield warn(code="RF140", message=message + more, line=line, key=key, fix=fix)
+            yield warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
 
 
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
     """Yield column, warning and fix of a row."""
-    wheel_m, rope_m, degrees = trial.wheel_radius_m, trial.rope_radius_m, math.degrees(trial.wrap_angle_rad)
+    wheel_m, rope_m = trial.wheel_radius_m, trial.rope_radius_m
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
     if (turns := trial.wrap_angle_rad / math.tau) > 100:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
-    if degrees <= 90 * (1 - 1e-9):
-        said = (
-            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
-        )
-        yield "wrap_angle", said, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
         said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
         yield "exclude", said, "leave the cell empty to keep the trial"
@@ -477,7 +409,7 @@ def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]
 
 # --- a list of trials from the names of the recordings ---
 
-_DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
+_DIGITS = re.compile(r"([0-9]+)")
 _GROUP = re.compile(r"\{(\w+)\}")
 _DIGITS_OF = r"[+-]?\d+(?:[.,]\d+)?"
 _SHOWN = 3
@@ -487,13 +419,16 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
     """Return a list of trials of the files that a glob pattern finds, and notes on names that do not match.
 
     In the pattern of names, `{wrap_angle_deg}` matches a number or, where a column of that name holds text, for
-    words; `*` matches anything. A pattern with `(?P<name>...)` is a regular expression. Names of groups are headers
-    of the list, with their units. Without "/" it is compared with the file's name, with or without its ending.
+    words; `*` matches anything.
+    Names are headers of the list, with their units. Without "/" the pattern is compared with the file's name, with or
+    without its ending.
     """
     paths = glob.glob(files, recursive=True)  # noqa: PTH207  (whole paths too, which Path.glob refuses)
     found = sorted((path for path in paths if Path(path).is_file()), key=_natural)
     if not found:
-        raise DataError("no file matches", path=files, fix=_what_is_there(files))
+        raise DataError(
+            "no file matches", path=files, fix="check the folder, and quote the pattern: 'daq/*.csv'"
+        )
     compiled = _compiled(pattern)
     parts = {path: _match(compiled, pattern, path) if compiled else {} for path in found}
     rows = [
@@ -535,23 +470,11 @@ def _natural(path: str) -> tuple[list[tuple[int, str]], str]:
     return [(int(part), "") if part.isdigit() else (-1, part) for part in _DIGITS.split(path)], path
 
 
-def _what_is_there(files: str) -> str:
-    """Return what the folder holds that a glob pattern names."""
-    folder = Path(_WILD.split(files)[0])
-    folder = folder if folder.is_dir() else folder.parent
-    names = sorted(path.name for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-    more = f", such as {', '.join(names[:_SHOWN])}" if names else "; quote the pattern, 'daq/*.csv'"
-    return f"{folder.as_posix()} holds {counted(len(names), 'file')}{more}"
-
-
 def _compiled(pattern: str) -> re.Pattern[str] | None:
-    text = pattern
-    if "(?P<" not in pattern:
-        parts = _GROUP.split(pattern)
-        text = "".join(
-            f"(?P<{part}>{_of_column(part)})" if place % 2 else re.escape(part).replace(r"\*", ".*?")
-            for place, part in enumerate(parts)
-        )
+    text = "".join(
+        f"(?P<{part}>{_of_column(part)})" if place % 2 else re.escape(part).replace(r"\*", ".*?")
+        for place, part in enumerate(_GROUP.split(pattern))
+    )
     try:
         found = re.compile(text)
     except re.error as error:

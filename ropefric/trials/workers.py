@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _Work = Callable[[int], T]
 
-AHEAD = 2
-"""Pieces of work a process has in hand, so that it need not wait for the next one."""
-
 START_S = 60.0
 """Time for a new process to say that it is ready."""
 
@@ -40,9 +37,7 @@ GRACE_S = 1.0
 
 _RAISE = "check the file; if it is good, raise the limit: [limits] {0} of the campaign, --{0} of inspect"
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
-_NAMES = {int(one): one.name for one in signal.Signals}
 _HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 _READY, _DONE, _RAISED, _NO_MEMORY = range(4)
 
 
@@ -80,14 +75,15 @@ def guarded(
     limits, most, waiting = limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n))
     workers: list[_Worker[T]] = []
     try:
-        while waiting or any(worker.given for worker in workers):
-            while len(workers) < min(most, len(waiting) + len(workers)):
+        while waiting or any(worker.given is not None for worker in workers):
+            n_idle = sum(worker.given is None for worker in workers)
+            while len(workers) < min(most, len(waiting) + len(workers) - n_idle):
                 workers.append(_Worker(context, work, limits, [worker.ours for worker in workers]))
-            _hand_out(waiting, workers)
+            for worker in workers:
+                if waiting and worker.given is None:
+                    worker.give(waiting.popleft())
             yield from _heard(workers)
-            for worker in [worker for worker in workers if worker.dead]:
-                workers.remove(worker)
-                waiting.extendleft(reversed(worker.given))
+            workers[:] = [worker for worker in workers if not worker.dead]
     finally:
         _end(workers)
 
@@ -101,14 +97,6 @@ def _way_to_start() -> "BaseContext | None":
     # Threads may hold locks that a forked child would find locked for ever.
     may_fork = sys.platform == "linux" and threading.active_count() == 1
     return multiprocessing.get_context("fork" if may_fork else "spawn")
-
-
-def _hand_out(waiting: deque[int], workers: "list[_Worker[T]]") -> None:
-    """Give every worker pieces to have in hand: to all in turn, so that the last pieces are shared out."""
-    for ahead in range(1, AHEAD + 1):
-        for worker in workers:
-            if waiting and len(worker.given) < ahead:
-                worker.give(waiting.popleft())
 
 
 def _heard(workers: "list[_Worker[T]]") -> Iterator[tuple[int, T | Lost]]:
@@ -138,14 +126,14 @@ def _end(workers: "list[_Worker[T]]") -> None:
 
 
 class _Worker(Generic[T]):
-    """A process, the pieces it has in hand, and when the first of them must be done."""
+    """A process, the piece of work it has in hand, and when that must be done."""
 
     def __init__(
         self, context: "BaseContext", work: "_Work[T]", limits: Limits, others: "list[Connection]"
     ) -> None:
         self.ours, theirs = context.Pipe()
         self._limits = limits
-        self.given: deque[int] = deque()
+        self.given: int | None = None
         self.dead = self._ready = False
         forks = context.get_start_method() == "fork"
         # A process that is not forked loads the plugins with its arguments, before what may be made of them.
@@ -163,9 +151,9 @@ class _Worker(Generic[T]):
 
     def give(self, number: int) -> None:
         """Hand over a piece of work."""
-        if self._ready and not self.given:
+        if self._ready:
             self.deadline_s = time.monotonic() + self._limits.time_s
-        self.given.append(number)
+        self.given = number
         with suppress(OSError):  # if it died, hearing from it will tell
             self.ours.send(number)
 
@@ -178,38 +166,35 @@ class _Worker(Generic[T]):
             if not self._ready:
                 message = f"a process for reading ended as it started (exit code {self.process.exitcode})"
                 raise RopefricError(message, code="RF000") from None
-            if self.given:
-                yield self.given.popleft(), self._crashed()
+            if self.given is not None:
+                yield self.given, self._crashed()
             return
         if kind == _READY:
             self._ready = True
+            self.deadline_s = float("inf") if self.given is None else time.monotonic() + self._limits.time_s
         elif kind == _RAISED:
             raise content
-        else:
-            number = self.given.popleft()
+        elif self.given is not None:
+            number, self.given, self.deadline_s = self.given, None, float("inf")
             if kind == _NO_MEMORY:
                 _end([self])
                 reason = f"reading it took more than {self._limits.memory} of memory"
-                yield number, Lost(reason=reason, fix=_RAISE.format("memory"))
-            else:
-                yield number, content
-        self.deadline_s = time.monotonic() + self._limits.time_s if self.given else float("inf")
+                content = Lost(reason=reason, fix=_RAISE.format("memory"))
+            yield number, content
 
     def stop_late(self) -> tuple[int, Lost]:
         """End the process, which took too long."""
         self.process.kill()
         _end([self])
         reason = f"reading it took longer than {self._limits.time_s:g} s"
-        return self.given.popleft(), Lost(reason=reason, fix=_RAISE.format("time"))
+        assert self.given is not None  # noqa: S101  (else there is no deadline)
+        return self.given, Lost(reason=reason, fix=_RAISE.format("time"))
 
     def _crashed(self) -> Lost:
         code = self.process.exitcode or 0
-        how = f"signal {-code}, {_NAMES.get(-code, '?')}" if code < 0 else f"exit code {code}"
-        why = ""
-        if code in (-getattr(signal, "SIGKILL", 9), -signal.SIGABRT):
-            why = f"; perhaps it needed more than {self._limits.memory} of memory"
-        fix = "the file is damaged, or of a kind its reader cannot take; save it again, for example as CSV"
-        return Lost(reason=f"the reader crashed ({how}){why}", fix=fix)
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        reason = f"the reader crashed ({how}): the file is damaged, or needs more than {self._limits.memory} of memory"
+        return Lost(reason=reason, fix="save the file again, for example as CSV")
 
 
 @contextmanager
@@ -276,12 +261,7 @@ def become_expendable() -> None:
         import ctypes  # noqa: PLC0415
 
         parent = os.getppid()
-        system = ctypes.CDLL(None)
-        system.prctl(_DIE_WITH_PARENT, signal.SIGKILL)
-        with suppress(AttributeError):  # not every C library has it
-            # Memory that one recording took serves the next: giving it back and fetching it again takes a fifth more.
-            system.mallopt(_MMAP_THRESHOLD, 32 * 2**20)
-            system.mallopt(_TRIM_THRESHOLD, 128 * 2**20)
+        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
         if os.getppid() != parent:  # it died just before
             os._exit(0)
     faulthandler.disable()

@@ -87,5 +87,5 @@ def test_what_is_wrong_is_said_before_the_work(call, campaign, tmp_path):
     (campaign / "trials.csv").write_text(text.replace("wrap_angle_deg", "warp_angle_deg"), encoding="utf-8")
     done = call("extract", campaign, "--out", tmp_path / "out")
     assert (done.code, done.out) == (3, "")
-    assert "did you mean 'wrap_angle_deg'?" in done.err
+    assert "there is no column wrap_angle_deg" in done.err
     assert "error" in call("extract", campaign, "--out", tmp_path / "out", "--json").json()

@@ -94,7 +94,7 @@ def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path, few_law
         # The second empty file belongs to a trial that was excluded: it is counted once.
         writer.writerows(row | {"exclude": "slipped off" if n in {4, 7} else ""}
             for n, row in enumerate(rows))  # fmt: skip
-    text = (folder / "campaign.toml").read_text(encoding="utf-8").replace("two-sigma", "mad")
+    text = (folder / "campaign.toml").read_text(encoding="utf-8").replace("two-sigma", "grubbs")
     (folder / "campaign.toml").write_text(text.replace('name = "', 'name = "<b>&', 1), encoding="utf-8")
     done = call("run", folder, "--out", tmp_path / "out", "--no-figures", "--law", "howell")
     assert done.code == NOT_TRUSTED

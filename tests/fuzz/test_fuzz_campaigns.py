@@ -43,7 +43,7 @@ def judge(toml=TOML, trials=TRIALS):
     assert not errors or errors[0].message in refused[0]
     if campaign is not None:
         assert campaign.resolved()
-        assert len(campaign.settings_fingerprint()) == 64
+        assert campaign.settings()
         assert campaign.trials
         for trial in campaign.trials:
             assert trial.wheel_radius_m > 0.0

@@ -59,16 +59,22 @@ def test_it_holds_in_place_of_what_the_list_says_and_what_is_empty_takes_it_back
     assert (held().peak_N, held().peak_std_N, held().why) == (61.25, 0.5, "by hand")
 
 
-def test_a_file_that_a_spreadsheet_saved_goes_on_in_its_own_dialect(tmp_path):
+def test_a_file_that_a_spreadsheet_saved_is_read_and_goes_on_if_it_begins_as_before(tmp_path):
     path = tmp_path / "decisions.csv"
     for mark, end in product(("", "\ufeff"), ("", "\r\n")):
-        before = f"{mark}trial;pick_ms;peak_N;exclude;why;by;when;mine\r\na;1250,5;;;seen;me;;x{end}"
+        before = f"{mark}{HEAD}\r\na,1.25,,,seen,me,,{end}"
         path.write_text(before, encoding="utf-8", newline="")
-        add(path, Decision("b", pick_s=1.5, why="zu spät; laut", by="me"))
+        add(path, Decision("b", pick_s=1.5, why="zu spät, laut", by="me"))
         told, _, problems = read_decisions(path)
         assert not problems
-        assert (told["a"].pick_s, told["b"].pick_s, told["b"].why) == (1.2505, 1.5, "zu spät; laut")
+        assert (told["a"].pick_s, told["b"].pick_s, told["b"].why) == (1.25, 1.5, "zu spät, laut")
         assert path.read_bytes().startswith(before.encode())
+    path.write_text(
+        "trial;pick_ms;peak_N;exclude;why;by;when;mine\na;1250,5;;;seen;me;;x\n", encoding="utf-8"
+    )
+    assert read_decisions(path)[0]["a"].pick_s == 1.2505
+    with pytest.raises(InputError, match="does not begin as ropefric writes it"):
+        add(path, PICK)
 
 
 def test_what_two_write_at_once_is_all_there(tmp_path):
@@ -123,7 +129,7 @@ def test_what_is_wrong_with_it_is_an_error_where_it_stands_and_an_unknown_trial_
     (found,) = (one for one in load_campaign(toml).warnings if one.path.endswith("decisions.csv"))
     assert (found.code, found.line, "not used" in found.message) == ("RF120", 2, True)
     path.write_bytes(f"{HEAD}\nc35-r01,,,schr\xe4g,,b,,\n".encode("cp1252"))
-    with pytest.raises(InputError, match="no UTF-8"):
+    with pytest.raises(InputError, match="no UTF-8 text"):
         add(path, PICK)
 
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.trials.outliers import RULES
 from ropefric.trials.result import TrialResult, summarise_conditions
 
 # The paper's example: 15 values with mean 321.7 N and s 5.5 N; without the one outlier the mean is 320.7 N.
@@ -120,7 +121,7 @@ def test_where_the_slack_side_is_measured_the_weight_makes_the_condition():
 FORCES_N = st.lists(st.floats(50, 500), min_size=1, max_size=25)
 
 
-@given(FORCES_N, st.sampled_from(["two-sigma", "grubbs", "chauvenet", "mad", "none"]))
+@given(FORCES_N, st.sampled_from(list(RULES)))
 @settings(deadline=None, max_examples=20)
 def test_the_summary_is_that_of_the_flags(values_N, rule):
     given_trials = series(values_N)

@@ -45,7 +45,7 @@ def test_names_that_begin_with_a_hash_are_trials_and_comments_stand_above_the_he
     assert [trial.trial for trial in lab.extract().trials] == ["#0", "#1"]
     table.write_text("\n".join([f"trial,{head}", named[0], "# the second day", *named[1:]]))
     (torn,) = (one for one in check_campaign(lab.path) if one.code == "RF103")
-    assert (torn.severity, torn.line, "above the header" in torn.fix) == ("warning", 3, True)
+    assert (torn.severity, torn.line, "above the header" in torn.fix) == ("error", 3, True)
     table.write_text("\n".join([head, f"#{rows[0]}", *rows[1:]]))  # a row as any other
     (missing,) = (one for one in check_campaign(lab.path) if one.severity == "error")
     assert ("#p0.csv is not there" in missing.message, "above the header" in missing.fix) == (True, True)
@@ -89,19 +89,6 @@ def test_an_own_column_that_a_fit_would_read_gets_another_name(lab, pull_csv, tm
     table = read_trial_table(tmp_path / "out" / "trials.csv")
     assert table.peak_N.min() > 90
     assert table.rope_radius_std_m.max() < 1e-3
-
-
-def test_a_measured_channel_that_nothing_uses_is_said_once(lab, pull_csv):
-    with_columns(lab, pull_csv)
-    channels = '[import.channels]\ntime = "time_s"\nforce = "force_N"\n'
-    channels += 'wrap_angle = { column = 2, unit = "deg" }\n'
-    lab.path.write_text(lab.path.read_text(encoding="utf-8") + channels, encoding="utf-8")
-    told = [p for p in lab.load().warnings if "not used" in p.message]
-    assert [(p.code, p.severity, p.key) for p in told] == [("RF141", "warning", "import.channels.wrap_angle")]
-    assert "wrap_angle_deg" in told[0].fix
-    used = '[import.derived]\npull = "force + wrap_angle"\n'
-    lab.path.write_text(lab.path.read_text(encoding="utf-8") + used, encoding="utf-8")
-    assert not [p for p in check_campaign(lab.path) if "not used" in p.message]
 
 
 def test_a_trial_table_keeps_what_it_does_not_know_and_doubts_near_misses(tmp_path):

@@ -9,7 +9,7 @@ from ropefric.trials.campaign import load_campaign
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {
     "no unit": ("wrap_angle_deg", "wrap_angle", "RF130", 1, "wrap_angle", "no unit", "wrap_angle_deg"),
-    "small n": ("end_tension_N", "end_tension_n", "RF120", 1, "end_tension_n", "not known", "did you mean 'end_tension_N'?"),
+    "small n": ("end_tension_N", "end_tension_n", "RF121", 1, "end_tension_N", "there is no column end_tension_N", "or correct the name"),
     "unit of another dimension": ("end_tension_N", "end_tension_mm", "RF130", 1, "end_tension_mm", "'mm' is not a unit of force", "'N'"),
     "mass as tension": ("end_tension_N", "end_tension_kg", "RF130", 1, "end_tension_kg", "'kg' is not a unit of force", "'N'"),
     "knots": ("end_tension_N", "end_tension (kn)", "RF130", 1, "end_tension (kn)", "knot", "'kN'"),
@@ -23,9 +23,9 @@ MISTAKES = {
     "unknown wheel": ("W40", "W4O", "RF120", 2, "wheel", "unknown wheel 'W4O'", "did you mean 'W40'?"),
     "two radii": ("W40,,", "W40,60,", "RF111", 2, "wheel_radius_mm", "60 mm, but wheel 'W40' has 40 mm", "leave one"),
     "text": ("60.5", "abc", "RF102", 4, "end_tension_N", "cannot read 'abc' as a number", "plain number"),
-    "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "write 60.5; the unit is in the header"),
-    "thousands": ("60.5", "1 060.5", "RF102", 4, "end_tension_N", "1 060.5", "between thousands"),
-    "quoted thousands": ("60.5", '"1,060.5"', "RF102", 4, "end_tension_N", "1,060.5", "between thousands"),
+    "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "without a unit"),
+    "thousands": ("60.5", "1 060.5", "RF102", 4, "end_tension_N", "1 060.5", "marks between thousands"),
+    "quoted thousands": ("60.5", '"1,060.5"', "RF102", 4, "end_tension_N", "1,060.5", "marks between thousands"),
     "quoted decimal comma": ("60.5", '"60,5"', "RF102", 4, "end_tension_N", "decimal comma", "write 60.5, or separate the columns by ';'"),
     "decimal comma": ("60.5", "60,5", "RF103", 4, "", "12 cells, but the header has 11", "decimal comma, separate the columns by ';'"),
     "nan": ("60.5", "nan", "RF102", 4, "end_tension_N", "cannot read 'nan'", "plain number"),
@@ -33,8 +33,8 @@ MISTAKES = {
     "zero tension": ("60.5", "0", "RF110", 4, "end_tension_N", "an end tension must be above zero", "correct"),
     "negative radius": (",35,", ",-35,", "RF110", 4, "wheel_radius_mm", "a wheel radius must be above zero", "correct"),
     "negative dwell": ("R1,0.5,,\n", "R1,-1,,\n", "RF110", 2, "dwell_min", "negative", "0 or more"),
-    "too few cells": ("t2,b.csv,W60,,", "t2,b.csv,", "RF103", 3, "", "9 cells, but the header has 11 columns", "a comma for every column"),
-    "open quote": ("see book", '"see book', "RF103", 3, "", "not closed", "one line"),
+    "too few cells": ("t2,b.csv,W60,,", "t2,b.csv,", "RF103", 3, "", "9 cells, but the header has 11 columns", "a cell for every column"),
+    "open quote": ("see book", '"see book', "RF103", 3, "", "not closed", "close the quotes"),
     "column without a name": ("note", "", "RF120", 3, "", "column 11 has no name, but holds 'see book'", "name it"),
     "inner column without a name": ("exclude,note", ",note", "RF120", 3, "", "column 10 has no name, but holds 'rope jumped'", "name it"),
     "file twice": ("b.csv", "a.csv", "RF122", 3, "file", "a.csv is listed in line 2 already", "from_s and until_s"),
@@ -137,8 +137,7 @@ def test_a_list_without_wheels_table(bench):
 DOUBTS = {
     "radius in metres": ("wheel_radius_mm", "wheel_radius_m", "wheel_radius", "35 m is outside 1 mm to 10 m"),
     "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
-    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "180 turns is probably in another unit (and 2 more rows)"),
-    "short wrap": (",180,", ",60,", "wrap_angle", "60 deg is below the 90 deg that ASTM D3108"),
+    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "turns is probably in another unit"),
     "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
     "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
 }  # fmt: skip
@@ -151,11 +150,8 @@ def test_doubtful_values_are_warnings(bench):
         bench.spoil_table(old, new)
         assert bench.errors() == [], name
         doubts = [p for p in bench.warnings() if p.code == "RF140"]
-        assert [p.key for p in doubts] == ([key] if key else []), name
+        assert {p.key for p in doubts} == ({key} if key else set()), name
         assert all(message in p.message for p in doubts), name
-    bench.write(trials=good)
-    bench.spoil_table(",180,", ",90,")
-    assert bench.warnings() == []  # is enough
 
 
 @pytest.fixture

@@ -69,7 +69,7 @@ def test_missing_column_names_it_and_one_to_add(read):
 
 
 HEADERS = [
-    ("warp_angle_deg", "RF120", "did you mean 'wrap_angle_deg'"), ("wrap_angle", "RF130", "wrap_angle_deg"),
+    ("wrap_angle", "RF130", "wrap_angle_deg"),
     ("wrap_angle_mm", "RF130", "'mm' is not a unit of angle"), ("wrap_angle (furlongs per)", "RF130", "unit"),
 ]  # fmt: skip
 CELLS = [
@@ -77,8 +77,8 @@ CELLS = [
     ("d,40,9.8,-540,80,300", "wrap_angle_deg", "-540 deg is no possible value", "correct"),
     ("d,40,9.8,,80,300", "wrap_angle_deg", "empty or NaN", "kept = false"),
     ("d,40,9.8,540,80,about 300", "peak_N", "cannot read 'about 300' as a number", "plain number"),
-    ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "write 80; the unit is in the header"),
-    ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "without marks between thousands"),
+    ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "without a unit"),
+    ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "marks between thousands"),
     ('d,40,"9,8",540,80,300', "rope_diameter_mm", "decimal comma", "write 9.8"),
     ("d,0,9.8,540,80,300", "wheel_radius_mm", "must be above zero", "correct"),
     ("d,40,9.8,540,80,-300", "peak_N", "no possible value", "correct"),
@@ -89,6 +89,8 @@ CELLS = [
 
 
 def test_wrong_names_and_units_of_columns_and_bad_cells_say_what_where_and_how_to_fix(read):
+    found = problems(read, HEADER.replace("wrap_angle_deg", "warp_angle_deg"), *ROWS)
+    assert {problem.code: problem.severity for problem in found} == {"RF121": "error"}
     for header, code, said in HEADERS:
         found = problems(read, HEADER.replace("wrap_angle_deg", header), *ROWS)
         assert [problem.code for problem in found] == [code], "and not that the column is missing as well"
@@ -149,8 +151,10 @@ def test_kept_must_be_yes_or_no(read):
 
 
 def test_rows_alike_in_every_number_are_a_warning(read):
-    table = read(HEADER, *ROWS, "d,40,9.8,540,80,300")
-    assert [(warning.severity, warning.line) for warning in table.warnings] == [("warning", 5)]
+    table = read(HEADER, *ROWS, *(f"{name},40,9.8,540,80,300" for name in "def"))
+    (told,) = table.warnings
+    assert (told.severity, told.line) == ("warning", 5)
+    assert "3 rows with all numbers of an earlier one" in told.message
 
 
 def test_frame_round_trip_and_frame_errors():
@@ -204,15 +208,6 @@ def test_of_many_rows_those_with_something_wrong_are_named(tmp_path):
         read_trial_table(path)
     told = [(p.code, p.line) for p in caught.value.problems]
     assert told == [("RF102", 1501), ("RF411", 2501), ("RF122", 2001)]
-
-
-def test_of_very_many_equal_rows_a_few_are_named_and_the_others_counted(tmp_path):
-    row = "30,10,180,20,60\n"
-    path = tmp_path / "same.csv"
-    path.write_text("wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N\n" + 50 * row)
-    told = read_trial_table(path).warnings
-    assert (len(told), told[0].message) == (21, "all numbers are those of line 2")
-    assert told[-1].message == "29 more rows have all the numbers of an earlier one"
 
 
 def test_a_table_that_is_cut_off_within_its_last_cell_is_refused(tmp_path):

@@ -72,7 +72,6 @@ _START_UP = replace(
     start_up={
         "speed": DRIVE_LAWS["s-curve"](speed_m_s=SPEED_M_S, duration_s=RUN_UP_S),
         "time_s": np.linspace(0.0, 1.0, 201),
-        "slip": True,
         "loads": "with-speed",
     },
 )

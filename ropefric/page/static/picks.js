@@ -172,7 +172,7 @@ function showInfo() {
       .filter(Boolean).map((said) => `${said[0].toUpperCase()}${said.slice(1)}.`).join(" ");
   const facts = [[symbol(), withStd(info.picked[0], info.picked[1])], ["at", unit(info.picked[2], "s", 6)],
     ["apparent μ", plain(info.mu)],
-    ...info.numbers.map(([what, value, std, name, digits]) => [what, std ? withStd(value, std) : unit(value, name, digits).trim()])];
+    ...info.numbers.map(([what, value, name]) => [what, unit(value, name, 4).trim()])];
   const notes = [...info.notes, ...info.problems];
   $("facts").replaceChildren(...facts.flatMap(([what, value]) => [make("dt", what), make("dd", value)]),
     ...notes.flatMap((note, place) => [make("dt", place ? "" : "notes"), make("dd", note)]));

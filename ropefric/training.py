@@ -216,11 +216,7 @@ def draw_lessons(seed: int, count: int, jobs: int = 1) -> tuple[Any, Any, Any]:
 
 def rig_recording(rng: np.random.Generator) -> tuple[ForceTrace, RecordingTruth]:
     """Return a recording of the first rig as the picker gets it, with a fault that a recording survives, or none."""
-    usable = [
-        one.name
-        for one in FAULTS.values()
-        if not one.on_bytes and (not one.protocols or "breakaway" in one.protocols)
-    ]
+    usable = [one.name for one in FAULTS.values() if not one.on_bytes]
     bench, name = Bench(), str(rng.choice(["", *usable]))
     lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
     given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}

@@ -12,14 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.files.disk import write_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.registry import did_you_mean
-from ropefric.rig.bench import RIG_PROTOCOLS, Bench, RecordingTruth
-from ropefric.rig.pulls import PHYSICS
+from ropefric.rig.bench import Bench, RecordingTruth
 from ropefric.rig.recording import FAULTS, ORDINARY, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
@@ -58,8 +56,6 @@ class CampaignPlan:
     repeats: int = 12
     faults: Mapping[str, float] = field(default_factory=lambda: dict(ORDINARY))
     bench: Bench = field(default_factory=Bench)
-    protocol: str = "breakaway"
-    physics: str = "coulomb"
 
     def __post_init__(self) -> None:
         planned = f"{len(self.conditions)} conditions with {self.repeats} repeats"
@@ -70,18 +66,9 @@ class CampaignPlan:
             message = f"{planned} are {self.n_trials} recordings; the limit is {_MOST_TRIALS}"
             raise InputError(message, key="repeats", fix="use fewer repeats")
         for name, rate in self.faults.items():
-            fault = FAULTS[name]
+            FAULTS[name]  # refuses an unknown one
             if not 0.0 <= rate <= 1.0:
                 raise InputError(f"fault '{name}': rate {rate:g} is not between 0 and 1", key="faults")
-            if rate > 0.0:
-                fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
-        known = ("coulomb", *PHYSICS)
-        if self.physics not in known:
-            fix = did_you_mean(self.physics, known)
-            raise UnknownNameError(f"unknown physics {self.physics!r}", key="physics", fix=fix)
-        if self.physics != "coulomb" and self.protocol != "breakaway":
-            message = f"physics '{self.physics}' does not go with protocol '{self.protocol}'"
-            raise InputError(message, key="physics", fix="use physics 'coulomb', or protocol 'breakaway'")
         self.lift_force_N(self.conditions)
 
     @property
@@ -164,16 +151,14 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
     if seed < 0:
         raise InputError(f"seed {seed} is negative", key="seed", fix="use 0 or more")
     law_N = plan.lift_force_N(plan.conditions)
-    way = RIG_PROTOCOLS[plan.protocol]
     rng = np.random.default_rng([seed, 0])
     by_condition = 1.0 + plan.bench.condition_scatter * rng.standard_normal((law_N.size, 1))
     by_trial = 1.0 + plan.bench.trial_scatter * rng.standard_normal((law_N.size, plan.repeats))
-    scattered_N = law_N[:, np.newaxis] * by_condition * (1.0 if way.scatters_inside else by_trial)
-    lift_N = np.broadcast_to(scattered_N, by_trial.shape)
+    lift_N = law_N[:, np.newaxis] * by_condition * by_trial
     dealt = _deal_faults(plan, np.repeat(law_N, plan.repeats), np.random.default_rng([seed, 1]))
     trials = []
     for number, (condition, force_N) in enumerate(zip(plan.conditions, law_N.tolist(), strict=True)):
-        cell = plan.bench.cell_for(force_N if way.measures_lift else condition.end_tension_N).name
+        cell = plan.bench.cell_for(force_N).name
         for repeat in range(plan.repeats):
             index = number * plan.repeats + repeat
             name, one_N = f"c{number + 1:02d}-r{repeat + 1:02d}", float(lift_N[number, repeat])
@@ -207,9 +192,8 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
         "lift_force_N": trial.lift_force_N,
         "end_tension_N": trial.condition.end_tension_N,
     }
-    ways: dict[str, Any] = {"protocol": plan.protocol, "physics": plan.physics, "cell": trial.cell}
     rng = np.random.default_rng([seed, 2, trial.place])
-    recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, **forces, **ways)
+    recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, cell=trial.cell, **forces)
     buffer = io.BytesIO()
     # Without name and time, so that the same text gives the same bytes. Level 9 takes five times as long for a
     # thousandth of the size: time stamps are what fills these files.
@@ -248,7 +232,7 @@ def simulate_campaign(
                 progress(done, len(trials), trial.name)
         texts = {
             "campaign.toml": campaign_text(plan),
-            "trials.csv": _trials_text(plan, trials, truths),
+            "trials.csv": _trials_text(trials, truths),
             "truth.toml": "\n".join([*_truth_lines(plan, trials, truths, seed), ""]),
         }
         for name, text in texts.items():
@@ -298,7 +282,7 @@ def campaign_text(plan: CampaignPlan) -> str:
     lines += [
         *_table("adc", bits=adc.bits, low=_quantity(adc.low_V, "V"), high=_quantity(adc.high_V, "V")),
         *_table("sampling", rate=_thousands(bench.sampling_rate_Hz, "Hz")),
-        *_table("protocol", name=plan.protocol),
+        *_table("protocol", name="breakaway"),
         *_table("tare", interval=["0 s", _quantity(idle_s, "s")]),
         *_table("smoothing", window="auto"),
         *_table("rejection", rule="two-sigma"),
@@ -312,16 +296,14 @@ def campaign_text(plan: CampaignPlan) -> str:
     return "\n".join([*lines, ""])
 
 
-def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
-    # The weights hang on the slack side, or, where the slack side is measured, on the tight side.
-    slack = RIG_PROTOCOLS[plan.protocol].measures_lift
-    known = "end_tension_N" if slack else "lift_force_N"
-    rows = [["trial", "file", "wheel", "wrap_angle_deg", known, "cell", "rope_id", "dwell_s", "exclude"]]
+def _trials_text(trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
+    rows = [
+        ["trial", "file", "wheel", "wrap_angle_deg", "end_tension_N", "cell", "rope_id", "dwell_s", "exclude"]
+    ]
     for trial, truth in zip(trials, truths, strict=True):
         condition = trial.condition
         wrap_deg = f"{np.degrees(condition.wrap_angle_rad):.10g}"
-        force = f"{condition.end_tension_N if slack else trial.lift_force_N:.10g}"
-        dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
+        force, dwell = f"{condition.end_tension_N:.10g}", f"{truth.dwell_s:.3f}"
         rope = f"sim-rope-{trial.place + 1:03d}"
         rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
     return csv_text(map(to_spreadsheet, row) for row in rows)
@@ -332,20 +314,16 @@ def _truth_lines(
 ) -> Iterator[str]:
     yield "# The truth of this simulated campaign. An analysis must not read it; a test of one may."
     yield from _keys(schema=TRUTH_SCHEMA, simulated=True, seed=seed)
-    yield from () if plan.physics == "coulomb" else _keys(physics=plan.physics)
     parameters = {name: float(value) for name, value in plan.parameters.items()}
     yield from _keys(law=plan.law, parameters=parameters, rope_radius_m=0.5 * plan.rope_diameter_m)
     yield from _keys(trial_scatter=plan.bench.trial_scatter, condition_scatter=plan.bench.condition_scatter)
     for kind, conditions in (("conditions", plan.conditions), ("unseen", (plan.design, *plan.unseen))):
         for condition, force_N in zip(conditions, plan.lift_force_N(conditions).tolist(), strict=True):
             yield from _table(f"[{kind}]", **asdict(condition), lift_force_N=force_N)
-    inside = RIG_PROTOCOLS[plan.protocol].scatters_inside
     yield from _table("trials")
     for trial, truth in zip(trials, truths, strict=True):
         numbers = {key: getattr(truth, key) for key in ("lift_force_N", "breakaway_time_s", "kinetic_N")}
-        lists = {key: getattr(truth, key) for key in ("tooth_tops_N", "plateaus_N") if inside}
         known = {key: value for key, value in numbers.items() if not math.isnan(value)}
-        known |= {key: value for key, value in lists.items() if value}
         yield from _keys(**{trial.name: {"status": truth.status.value, "faults": truth.faults, **known}})
 
 

@@ -52,7 +52,7 @@ MISTAKES = {
     "constant of no dimension": ('"490.9 mm^2"', '"490.9 mol"', "RF130", "import.constants.area", "no SI unit is known for 'mol'", "in SI"),
     "formula": ('"pressure * area"', '"pressure *"', "RF109", "import.derived.load", "not a formula", "arithmetic"),
     "formula with unknown channel": ('"pressure * area"', '"presure * area"', "RF109", "import.derived.load", "'presure'", "did you mean 'pressure'?"),
-    "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "not offered", ""),
+    "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "more than arithmetic", ""),
     "empty part": ('until = "6 s"', 'until = "-1 s"', "RF111", "protocol.until", "from 0 s until -1 s is empty", ""),
     "unit that is none": ('unit = "s"', 'unit = "sek."', "RF130", "import.channels.time.unit", "'sek.' is not a unit", "'N', 'kN', 's'"),
     "sensitivity of nothing": ('unit = "bar"', 'unit = "bar", sensitivity = "25"', "RF130", "import.channels.pressure.sensitivity", "'25' is not per signal", "25 N/mV"),

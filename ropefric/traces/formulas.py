@@ -82,6 +82,7 @@ def _value(node: ast.AST, symbols: Mapping[str, FloatArray | float]) -> FloatArr
         if node.id not in symbols:
             raise _FormulaError(f"uses the unknown name {node.id!r}", did_you_mean(node.id, symbols))
         return symbols[node.id]
-    if isinstance(node, ast.Constant) and type(node.value) in {int, float}:
-        return float(node.value)
+    number = node.value if isinstance(node, ast.Constant) else None
+    if isinstance(number, int | float) and not isinstance(number, bool):
+        return float(number)
     raise _FormulaError(f"is more than arithmetic ({type(node).__name__})")

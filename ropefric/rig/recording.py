@@ -4,11 +4,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, frozen_array
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.rig import bench as benches
@@ -28,8 +28,7 @@ Samples = tuple[FloatArray, FloatArray]
 """Output of the logger: times [s] and counts."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedRecording:
+class SimulatedRecording(NamedTuple):
     """One recording of the virtual rig."""
 
     time_s: FloatArray
@@ -37,10 +36,6 @@ class SimulatedRecording:
     true_time_s: FloatArray
     true_force_N: FloatArray
     truth: benches.RecordingTruth
-
-    def __post_init__(self) -> None:
-        for key in ("time_s", "counts", "true_time_s", "true_force_N"):
-            object.__setattr__(self, key, frozen_array(getattr(self, key)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -147,16 +147,6 @@ class Saturation:
     low_runs: IntArray
 
     @property
-    def high(self) -> bool:
-        """Return whether any sample is at the ceiling."""
-        return len(self.high_runs) > 0
-
-    @property
-    def low(self) -> bool:
-        """Return whether any sample is at the floor."""
-        return len(self.low_runs) > 0
-
-    @property
     def n_high(self) -> int:
         """Return the number of samples at the ceiling."""
         return int(np.diff(self.high_runs).sum())

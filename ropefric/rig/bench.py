@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import nan
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -23,9 +23,6 @@ Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
 
 
-_CELLS = (ForceCell(name="K1", full_scale_N=1000.0), ForceCell(name="K5", full_scale_N=5000.0))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
     """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
@@ -33,9 +30,12 @@ class Bench:
     A pair is a range; each recording draws its own value from it, uniformly.
     """
 
+    adc: ClassVar[Adc] = Adc()
+    cells: ClassVar[tuple[ForceCell, ...]] = (
+        ForceCell(name="K1", full_scale_N=1000.0),
+        ForceCell(name="K5", full_scale_N=5000.0),
+    )
     sampling_rate_Hz: float = 3000.0
-    adc: Adc = field(default_factory=Adc)
-    cells: tuple[ForceCell, ...] = _CELLS
     cell_use: float = 0.8
     rope_stiffness_N_m: float = 1.0e5
     cell_stiffness_N_m: float = 1.0e7

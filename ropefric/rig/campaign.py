@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from string import Template
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
 _MOST_TRIALS = 100_000
+_TEMPLATE = Path(__file__).with_name("campaign.toml")
 Progress = Callable[[int, int, str], None]
 
 
@@ -52,7 +54,6 @@ class CampaignPlan:
     conditions: tuple[RigCondition, ...]
     design: RigCondition
     unseen: tuple[RigCondition, ...] = ()
-    rope_linear_density_kg_m: float = 0.062
     repeats: int = 12
     faults: Mapping[str, float] = field(default_factory=lambda: dict(ORDINARY))
     bench: Bench = field(default_factory=Bench)
@@ -252,48 +253,23 @@ def recording_text(recording: SimulatedRecording) -> str:
 
 def campaign_text(plan: CampaignPlan) -> str:
     """Return the `campaign.toml` of a plan."""
-    bench = plan.bench
-    diameter = _quantity(1e3 * plan.rope_diameter_m, "mm")
-    density = _quantity(1e3 * plan.rope_linear_density_kg_m, "g/m")
-    lines = [
-        "# Simulated by ropefric's virtual rig; no rope was pulled. The truth is in truth.toml.",
-        *_keys(schema="ropefric.campaign/1", name=f"{plan.name} (simulated)", trials="trials.csv"),
-        *_table(
-            "rope", diameter=diameter, linear_density=density, material="polyamide, kernmantle (simulated)"
-        ),
-    ]
-    radii_m = {c.wheel: c.wheel_radius_m for c in sorted(plan.conditions, key=lambda c: c.wheel_radius_m)}
-    for name, radius_m in radii_m.items():
-        lines += _table(
-            f"wheels.{name}", radius=_quantity(1e3 * radius_m, "mm"), material="aluminium (simulated)"
-        )
-    for cell in bench.cells:
-        limits = ("linearity", "hysteresis", "repeatability", "transmitter")
-        chain = {name: _quantity(100.0 * getattr(cell, name), "%FS") for name in limits}
-        if cell.zero_V != 0.0:
-            chain["zero_voltage"] = _quantity(cell.zero_V, "V")
-        if cell.full_scale_V != 5.0:
-            chain["full_scale_voltage"] = _quantity(cell.full_scale_V, "V")
-        lines += _table(f"cells.{cell.name}", full_scale=_thousands(cell.full_scale_N, "N"), **chain)
-    idle_s = math.floor(20.0 * (bench.idle_s[0] - 0.01)) / 20.0
-    adc, design = bench.adc, plan.design
-    radius = _quantity(1e3 * design.wheel_radius_m, "mm")
-    wrap = _quantity(math.degrees(design.wrap_angle_rad), "deg")
-    lines += [
-        *_table("adc", bits=adc.bits, low=_quantity(adc.low_V, "V"), high=_quantity(adc.high_V, "V")),
-        *_table("sampling", rate=_thousands(bench.sampling_rate_Hz, "Hz")),
-        *_table("protocol", name="breakaway"),
-        *_table("tare", interval=["0 s", _quantity(idle_s, "s")]),
-        *_table("smoothing", window="auto"),
-        *_table("rejection", rule="two-sigma"),
-        *_table("weights", tolerance="0.05 %"),
-        *_table(
-            "design", wheel_radius=radius, wrap_angle=wrap, end_tension=_quantity(design.end_tension_N, "N")
-        ),
-        *_table("import", format="delimited", separator=",", decimal="."),
-        *_table("import.channels", time="time_s", counts="counts"),
-    ]
-    return "\n".join([*lines, ""])
+    radii_m = {
+        one.wheel: one.wheel_radius_m for one in sorted(plan.conditions, key=lambda one: one.wheel_radius_m)
+    }
+    wheel = '[wheels.{}]\nradius = "{:.10g} mm"\nmaterial = "aluminium (simulated)"\n\n'
+    numbers = {
+        "diameter": 1e3 * plan.rope_diameter_m,
+        "rate": 1e-3 * plan.bench.sampling_rate_Hz,
+        "idle": math.floor(20.0 * (plan.bench.idle_s[0] - 0.01)) / 20.0,
+        "radius": 1e3 * plan.design.wheel_radius_m,
+        "wrap": math.degrees(plan.design.wrap_angle_rad),
+        "tension": plan.design.end_tension_N,
+    }
+    return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
+        {key: f"{number:.10g}" for key, number in numbers.items()},
+        name=plan.name,
+        wheels="".join(wheel.format(name, 1e3 * radius_m) for name, radius_m in radii_m.items()),
+    )
 
 
 def _trials_text(trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
@@ -344,12 +320,3 @@ def _toml(value: object) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     return json.dumps(value, ensure_ascii=False)  # of these, TOML is written as JSON is
-
-
-def _quantity(value: float, unit: str) -> str:
-    """Return a quantity as people write it."""
-    return f"{value:.10g} {unit}"
-
-
-def _thousands(value: float, unit: str) -> str:
-    return _quantity(value / 1e3, f"k{unit}") if value >= 1e3 else _quantity(value, unit)

@@ -75,10 +75,13 @@ class _Story:
 
     def __init__(self, rng: Rng, climb_s: float) -> None:
         self.rng, self.climb_s = rng, climb_s
-        self._time_s, self._force, self._state = [np.zeros(1)], [np.zeros(1)], [np.zeros(1, int)]
+        self._keep(np.zeros(1), np.zeros(1), np.zeros(1, int))
         self.now_s = self.level = 0.0
         self.broke_s = nan
         self.peak = nan
+
+    def _keep(self, time_s: FloatArray, force: FloatArray, state: IntArray) -> None:
+        self._time_s, self._force, self._state = [time_s], [force], [state]
 
     def piece(self, state: State, lasting_s: float, shape: Shape) -> None:
         """Go on along a shape."""
@@ -114,8 +117,7 @@ class _Story:
 
     def begin_again(self, level: float) -> None:
         """Forget all that was, as a logger does that starts only now."""
-        self._time_s, self._force = [np.zeros(1)], [np.full(1, level)]
-        self._state = [np.full(1, int(State.SLIDING))]
+        self._keep(np.zeros(1), np.full(1, level), np.full(1, int(State.SLIDING)))
         self.now_s, self.level, self.broke_s, self.peak = 0.0, level, nan, nan
 
     def start_late(self, part: float) -> None:
@@ -123,21 +125,13 @@ class _Story:
         time_s, force, state = self.knots()
         first = int(np.argmax(force >= part))
         if first > 0 and not time_s[first] >= self.broke_s:
-            self._time_s, self._force, self._state = (
-                [time_s[first:] - time_s[first]],
-                [force[first:]],
-                [state[first:]],
-            )
+            self._keep(time_s[first:] - time_s[first], force[first:], state[first:])
             self.now_s, self.broke_s = self.now_s - time_s[first], self.broke_s - time_s[first]
 
     def stop_at(self, knot: int) -> None:
         """Forget what comes after a knot, as a logger does that stops there."""
         time_s, force, state = self.knots()
-        self._time_s, self._force, self._state = (
-            [time_s[: knot + 1]],
-            [force[: knot + 1]],
-            [state[: knot + 1]],
-        )
+        self._keep(time_s[: knot + 1], force[: knot + 1], state[: knot + 1])
         self.now_s, self.level, self.broke_s, self.peak = float(time_s[knot]), float(force[knot]), nan, nan
 
     def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:

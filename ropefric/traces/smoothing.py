@@ -29,17 +29,14 @@ class SmoothedForce(Shown):
         Time stamps [s] and averages [N]; NaN where a window holds no sample.
     window_s : float
         Full width of the window [s]; 0 = not smoothed.
-    n_missing : int
-        Samples missing in the trace (NaN).
     """
 
-    _said = ("time_s", "force_N", "window_s", "n_missing")
+    _said = ("time_s", "force_N", "window_s")
     _framed = ("time_s", "force_N")
 
     time_s: FloatArray
     force_N: FloatArray
     window_s: float
-    n_missing: int
 
 
 def window_samples(window_s: float, step_s: float) -> int:
@@ -104,7 +101,6 @@ def smooth(trace: ForceTrace, window_s: float) -> SmoothedForce:
         time_s=trace.time_s,
         force_N=frozen_array(force_N),
         window_s=window_s if is_mean else 0.0,
-        n_missing=int(np.isnan(trace.force_N).sum()),
     )
 
 

@@ -97,17 +97,16 @@ class Sensor:
     hum_counts: float = 0.0
     hum_Hz: float = 50.0
     hum_phase_rad: float = 0.0
-    gain_error: float = 0.0
 
     @property
     def ceiling_N(self) -> float:
         """Return the force that takes the converter to its largest count [N], drift and noise aside."""
         top_V = self.adc.high_V - self.zero_counts * self.adc.lsb_V
-        return (top_V - self.cell.zero_V) * self.cell.gain_N_V / (1.0 + self.gain_error)
+        return (top_V - self.cell.zero_V) * self.cell.gain_N_V
 
     def ideal_counts(self, force_N: FloatArray, time_s: FloatArray) -> FloatArray:
         """Return what the converter is given, in counts: neither noisy nor rounded nor clipped."""
-        voltage_V = self.cell.zero_V + force_N * (1.0 + self.gain_error) / self.cell.gain_N_V
+        voltage_V = self.cell.zero_V + force_N / self.cell.gain_N_V
         counts = (voltage_V - self.adc.low_V) / self.adc.lsb_V + self.zero_counts
         if time_s.size > 1:
             counts = counts + self.drift_counts * (time_s - time_s[0]) / (time_s[-1] - time_s[0])

@@ -19,14 +19,12 @@ class Truth(NamedTuple):
     """Truth of a recording: its status, and F_A and its time where there is one.
 
     F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which lasts many
-    micro-slip lengths) and its first fall. `fall_N` is that fall; `partial_s` are the partial slips before it.
+    micro-slip lengths) and its first fall.
     """
 
     status: Status
     peak_N: float = nan
     time_s: float = nan
-    fall_N: float = nan
-    partial_s: tuple[float, ...] = ()
 
 
 RANGES: dict[str, Any] = {
@@ -222,7 +220,7 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     onset = _onset(motion, slider)
     partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
-        return Truth(status=Status.NO_BREAKAWAY, partial_s=tuple(at_s for at_s in partial_s if at_s < inf))
+        return Truth(status=Status.NO_BREAKAWAY)
     stop = int(np.searchsorted(motion.time_s, stops(slider, float(motion.time_s[onset]))))
     force_N = motion.force_N[onset:stop]
     if force_N.size < 3:
@@ -246,12 +244,7 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
         for at_s, at_N, (_, _, lasting_s) in zip(partial_s, partial_N, slider.partial, strict=True)
     ):
         return None
-    higher = np.flatnonzero(force_N[peak:] > peak_N)
-    until = peak + int(higher[0]) if higher.size else force_N.size
-    return Truth(
-        status=Status.OK, peak_N=peak_N, time_s=time_s, fall_N=peak_N - float(force_N[peak:until].min()),
-        partial_s=tuple(at_s for at_s in partial_s if at_s < time_s),
-    )  # fmt: skip
+    return Truth(status=Status.OK, peak_N=peak_N, time_s=time_s)
 
 
 def _begun(motion: Motion, mu: float, start_s: float) -> float:

@@ -45,12 +45,13 @@ def mend_clock(
        by more than one step of the printed clock.
     6. Anything else that repeats is refused.
 
-    Jitter is left as it is, and so are gaps and the time of the first sample.
+    Jitter is left as it is, and so is the time of the first sample. Steps above five median steps are noted
+    as gaps.
     """
     steps_s = np.diff(time_s)
     # Where all steps are positive, only the ends can be anything but finite.
     if (steps_s > 0).all() and np.isfinite(time_s[:1]).all() and np.isfinite(time_s[-1:]).all():
-        return slice(None), time_s, ()
+        return slice(None), time_s, _gap_notes(time_s, steps_s)
 
     def refuse(sample: int, message: str, *, code: str = "RF202", fix: str = "") -> DataError:
         line = first_line + sample if first_line else None
@@ -92,7 +93,7 @@ def mend_clock(
         index, mended_s = index[~repeated], mended_s[~repeated]
     keep = np.zeros(time_s.size, dtype=np.bool_)
     keep[index] = True
-    return keep, mended_s, tuple(notes)
+    return keep, mended_s, (*notes, *_gap_notes(mended_s, np.diff(mended_s)))
 
 
 def _stamped_rows(
@@ -143,3 +144,15 @@ def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataE
 def mean_step_s(steps_s: FloatArray) -> float:
     """Return the mean step of a clock without its gaps [s]; rounded stamps do not change it."""
     return float(steps_s[steps_s <= GAP_STEPS * median(steps_s)].mean())
+
+
+def _gap_notes(time_s: FloatArray, steps_s: FloatArray) -> tuple[str, ...]:
+    # The median is at least the minimum, so this cheap test can only say "perhaps".
+    if steps_s.size < 2 or steps_s.max() <= GAP_STEPS * steps_s.min():
+        return ()
+    gaps = np.flatnonzero(steps_s > GAP_STEPS * np.median(steps_s))
+    if not gaps.size:
+        return ()
+    longest = int(gaps[np.argmax(steps_s[gaps])])
+    gap_s, after_s = steps_s[longest], time_s[longest]
+    return (f"{counted(gaps.size, 'gap')} in time; the longest is {gap_s:.4g} s after {after_s:.6g} s",)

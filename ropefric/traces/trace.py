@@ -40,7 +40,7 @@ class ForceTrace(Shown):
     tare_N : float
         The tare subtracted from the force [N]; NaN where its interval was too short.
     notes : tuple of str
-        Corrections on reading: repeated time stamps.
+        Corrections on reading: repeated time stamps, gaps.
     doubts : tuple of Problem
         Warnings about the tares.
 

@@ -24,6 +24,7 @@ from ropefric.rig.recording import FAULTS, ORDINARY, SATURATION_MARGIN, Simulate
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
+_MOST_TRIALS = 100_000
 _TEMPLATE = Path(__file__).with_name("campaign.toml")
 Progress = Callable[[int, int, str], None]
 
@@ -58,6 +59,10 @@ class CampaignPlan:
     bench: Bench = field(default_factory=Bench)
 
     def __post_init__(self) -> None:
+        if not 0 < self.n_trials <= _MOST_TRIALS:
+            message = f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings"
+            fix = "use fewer repeats, and at least one"
+            raise InputError(f"{message}; the limit is {_MOST_TRIALS}", key="repeats", fix=fix)
         for name, rate in self.faults.items():
             FAULTS[name]  # refuses an unknown one
             if not 0.0 <= rate <= 1.0:

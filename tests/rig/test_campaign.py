@@ -152,7 +152,8 @@ def test_nothing_is_overwritten(tmp_path):
 
 def test_impossible_plans_are_refused():
     lacking = {"mu_inf": 0.4, "a": -0.2, "b": -0.3, "c": -0.4}
-    for wrong, words in ((lambda: small(parameters=lacking), "no value for d"),
+    for wrong, words in ((lambda: small(repeats=0), "are 0 recordings"),
+        (lambda: small(parameters=lacking), "no value for d"),
         (lambda: small(parameters={"mu_ifn": 0.4}), "did you mean 'mu_inf'"),
         (lambda: small(faults={"gremlins": 0.1}), "unknown fault"),
         (lambda: small(faults={"spike": 1.5}), r"rate 1\.5 is not between 0 and 1")):  # fmt: skip

@@ -191,7 +191,7 @@ def conditions_of_extraction(
 
     The repeatability is s/√n of the trials kept, s divided by what the rejection rule leaves of it on average. What
     differs from trial to trial (the cell's repeatability, a tare and a picked peak of each trial's own) is part of it
-    and not counted again; what all trials share (linearity, hysteresis, transmitter, resolution,
+    and not counted again; what all trials share (linearity, hysteresis, transmitter, calibration line, resolution,
     bias of the smoothing) does not average out and is.
     """
     by_name = {trial.trial: trial for trial in extraction.trials if trial.kept}
@@ -307,7 +307,7 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     What each trial has of its own shows in the scatter of several, and is a correction of a single one only.
     """
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
-    found, notes = _of_chains(chains) if chains else ([], [_NO_CHAIN])
+    found, notes = _of_chains(chains, trials) if chains else ([], [_NO_CHAIN])
     bias_N = _mean(trial.breakaway.bias_N for trial in trials)
     picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
     found.append((limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)), ""))
@@ -317,7 +317,9 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     return [item for item, own in found if not (own and several)], notes
 
 
-def _of_chains(chains: Sequence[Calibration]) -> tuple[list[tuple[Quantity, str]], list[str]]:
+def _of_chains(
+    chains: Sequence[Calibration], trials: Sequence[TrialResult]
+) -> tuple[list[tuple[Quantity, str]], list[str]]:
     """Return the corrections of measuring chains, each with a remark if it is a trial's own, and notes."""
     worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
     largest, notes = worst.cell, []
@@ -325,7 +327,7 @@ def _of_chains(chains: Sequence[Calibration]) -> tuple[list[tuple[Quantity, str]
         notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
     limit_N = largest.repeatability * largest.full_scale_N
     own = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-    shared = chain_quantities(worst)
+    shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
     tare = Quantity("tare", "δ_0", "N", math.sqrt(_mean(chain.tare_std_N**2 for chain in chains)))
     one_tare = len({chain.tare_N for chain in chains}) == 1
     found = [(item, own if item.name == "cell's repeatability" else "") for item in shared]

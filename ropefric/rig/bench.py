@@ -101,12 +101,14 @@ class Sensor:
     @property
     def ceiling_N(self) -> float:
         """Return the force that takes the converter to its largest count [N], drift and noise aside."""
+        line = self.cell.line
         top_V = self.adc.high_V - self.zero_counts * self.adc.lsb_V
-        return (top_V - self.cell.zero_V) * self.cell.gain_N_V
+        return (top_V - line.zero_V) * line.gain_N_V
 
     def ideal_counts(self, force_N: FloatArray, time_s: FloatArray) -> FloatArray:
         """Return what the converter is given, in counts: neither noisy nor rounded nor clipped."""
-        voltage_V = self.cell.zero_V + force_N / self.cell.gain_N_V
+        line = self.cell.line
+        voltage_V = line.zero_V + force_N / line.gain_N_V
         counts = (voltage_V - self.adc.low_V) / self.adc.lsb_V + self.zero_counts
         if time_s.size > 1:
             counts = counts + self.drift_counts * (time_s - time_s[0]) / (time_s[-1] - time_s[0])

@@ -203,7 +203,7 @@ def _zero_drift(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any
 
 
 def _counts(sensor: Sensor, force_N: float) -> float:
-    return force_N / sensor.cell.gain_N_V / sensor.adc.lsb_V
+    return force_N / sensor.cell.line.gain_N_V / sensor.adc.lsb_V
 
 
 def _push(time_s: FloatArray, pull: BreakawayPull, rng: Rng, *, lasting_s: tuple[float, float]) -> FloatArray:

@@ -193,7 +193,7 @@ def _clipped(take: Take) -> None:
 def _clipped_counts(take: Take) -> None:
     adc = Adc(bits=int(take.rng.choice((10, 12, 16))))
     cell = ForceCell(name="S", full_scale_N=_clip_at(take), zero_V=0.5)
-    volts = cell.zero_V + take.force_N / cell.gain_N_V
+    volts = cell.line.zero_V + take.force_N / cell.line.gain_N_V
     counts = np.clip(np.rint((volts - adc.low_V) / adc.lsb_V), 0, adc.max_count)
     take.calibration = Calibration(cell=cell, adc=adc)
     take.force_N, take.saturation = take.calibration.apply(counts.astype(np.int64))

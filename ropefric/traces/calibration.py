@@ -6,8 +6,11 @@ is 1. The end tension F_B hangs from dead weights, not from this chain; `end_ten
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, fields, replace
+from itertools import pairwise
+from numbers import Integral, Real
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,11 +29,38 @@ _CLIPPED_SHARE = 0.02  # fewer samples at the floor are spikes or the tail of th
 _DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of quantisation in a mean
 
 _LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
-OVERLOAD = 1.2  # usual safe overload of a force cell
+OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
 
 
 def _refused(message: str, key: str, fix: str = "") -> InputError:
     return InputError(message, code="RF210", key=key, fix=fix)
+
+
+def _require_floats(owner: Any, what: str) -> None:
+    """Turn every float field of a dataclass into a float, so that equal objects are equal in JSON too."""
+    for item in fields(owner):
+        if item.type is not float:
+            continue
+        value = getattr(owner, item.name)
+        try:
+            usable = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+        except OverflowError:  # a whole number beyond every float
+            usable = False
+        if not usable:
+            raise _refused(f"{what}: {item.name} = {value!r} is not a finite number", item.name)
+        object.__setattr__(owner, item.name, float(value))
+
+
+class Line(NamedTuple):
+    """A straight line force = `gain_N_V` · (voltage − `zero_V`) and how well it is known."""
+
+    gain_N_V: float
+    zero_V: float
+    scatter_N: float
+    dof: float
+    n: int
+    mean_N: float
+    squares_N2: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,9 +76,12 @@ class Adc:
     high_V: float = 5.0
 
     def __post_init__(self) -> None:
-        if self.bits not in range(1, 33):
+        bits: Any = self.bits
+        if isinstance(bits, bool) or not isinstance(bits, Integral) or not 1 <= int(bits) <= 32:
             fix = "write the resolution on its data sheet, for example bits = 10"
-            raise _refused(f"ADC: bits = {self.bits!r} is not a whole number from 1 to 32", "bits", fix)
+            raise _refused(f"ADC: bits = {bits!r} is not a whole number from 1 to 32", "bits", fix)
+        object.__setattr__(self, "bits", int(bits))
+        _require_floats(self, "ADC")
         if not self.low_V < self.high_V:
             message = f"ADC: the range from {self.low_V:g} V to {self.high_V:g} V is empty"
             raise _refused(message, "high_V", "make high_V larger than low_V")
@@ -81,6 +114,7 @@ class ForceCell:
     hysteresis: float = None  # type: ignore[assignment]
     repeatability: float = None  # type: ignore[assignment]
     transmitter: float = None  # type: ignore[assignment]
+    points: tuple[tuple[float, float], ...] = ()
     serial: str = ""
     calibrated: str = ""
     assumed: tuple[str, ...] = field(default=(), compare=False)
@@ -91,24 +125,76 @@ class ForceCell:
         for key in missing:
             object.__setattr__(self, key, ASSUMED_LIMITS[key])
         object.__setattr__(self, "assumed", tuple(dict.fromkeys((*self.assumed, *missing))))
-        if not self.full_scale_N > 0:
+        _require_floats(self, what)
+        if self.full_scale_N <= 0:
             raise _refused(f"{what}: full scale {self.full_scale_N:g} N is not positive", "full_scale_N")
         if self.full_scale_V <= self.zero_V:
             fix = "swap the signal wires if the voltage falls with the force"
             message = f"{self.full_scale_V:g} V at full scale is not above {self.zero_V:g} V at no load"
             raise _refused(f"{what}: {message}", "full_scale_V", fix)
+        if self.rated_output and self.points:
+            fix = "give the points for signals in volts, the rated output for those in mV/V"
+            raise _refused(f"{what}: rated output and calibration points are both given", "points", fix)
         for key in ASSUMED_LIMITS:
             value = getattr(self, key)
             if not 0 <= value < _LARGEST_FRACTION:
                 message = f"{key} = {value:g} is no fraction of full scale (below {_LARGEST_FRACTION:g})"
                 raise _refused(f"{what}: {message}", key, "write 0.0002 for 0.02 %FS")
-        if not math.isfinite(self.gain_N_V):
+        object.__setattr__(self, "points", _checked_points(self.points, self.full_scale_N, what))
+        gain_N_V = math.inf
+        with suppress(OverflowError, ZeroDivisionError):
+            gain_N_V = self.line.gain_N_V
+        if not math.isfinite(gain_N_V):
             raise _refused(f"{what}: its line from volts to newtons is too steep to compute", "")
 
     @property
-    def gain_N_V(self) -> float:
-        """Return the slope of the line from volts to newtons."""
-        return self.full_scale_N / (self.full_scale_V - self.zero_V)
+    def line(self) -> Line:
+        """Return the line from volts to newtons: nominal, or least squares through the calibration points.
+
+        The applied forces are dead weights and far better known than the voltages read at them, so voltage
+        is regressed on force and the line then inverted.
+        """
+        if not self.points:
+            gain_N_V = self.full_scale_N / (self.full_scale_V - self.zero_V)
+            return Line(gain_N_V, self.zero_V, 0.0, math.inf, 0, 0.0, 0.0)
+        n = len(self.points)
+        mean_N = math.fsum(force for force, _ in self.points) / n
+        mean_V = math.fsum(voltage for _, voltage in self.points) / n
+        squares_N2 = math.fsum((force - mean_N) ** 2 for force, _ in self.points)
+        slope_V_N = math.fsum((f - mean_N) * (v - mean_V) for f, v in self.points) / squares_N2
+        squares_V2 = math.fsum((v - mean_V - slope_V_N * (f - mean_N)) ** 2 for f, v in self.points)
+        # Two points lie on their line; what is left there is rounding, not scatter.
+        scatter_V = math.sqrt(squares_V2 / (n - 2)) if n > 2 else 0.0
+        zero_V = mean_V - slope_V_N * mean_N
+        return Line(1.0 / slope_V_N, zero_V, scatter_V / slope_V_N, float(n - 2), n, mean_N, squares_N2)
+
+
+def _checked_points(points: Any, full_scale_N: float, what: str) -> tuple[tuple[float, float], ...]:
+    def refused(why: str, fix: str = "") -> InputError:
+        return _refused(f"{what}: {why}", "points", fix)
+
+    pairs: tuple[tuple[float, float], ...] | None = None
+    with suppress(TypeError, ValueError, OverflowError):
+        if not isinstance(points, str):
+            pairs = tuple((float(force_N), float(voltage_V)) for force_N, voltage_V in points)
+    if pairs is None:
+        why = f"calibration points are pairs of force and voltage, not {points!r}"
+        raise refused(why, "write [[0, 0.01], [500, 2.51], [1000, 5.0]], in N and V")
+    if len(pairs) == 1:
+        fix = "give two or more points, or none to use the nominal line"
+        raise refused("one calibration point makes no line", fix)
+    for number, (force_N, voltage_V) in enumerate(pairs, start=1):
+        if not (math.isfinite(force_N) and math.isfinite(voltage_V)):
+            raise refused(f"calibration point {number} is not finite")
+        if abs(force_N) > OVERLOAD * full_scale_N:
+            why = f"calibration point {number}, {force_N:g} N, is far beyond full scale"
+            raise refused(why, "points are written force first, in newtons, then volts")
+    for number, ((f_0, v_0), (f_1, v_1)) in enumerate(pairwise(pairs), start=1):
+        if not (f_0 < f_1 and v_0 < v_1):
+            which = f"{number} and {number + 1}, {f_0:g} N {v_0:g} V and {f_1:g} N {v_1:g} V"
+            fix = "sort by force; average repeated loadings; swap the signal wires if the voltage falls"
+            raise refused(f"calibration points {which}, do not increase", fix)
+    return pairs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -161,13 +247,14 @@ class Calibration:
     tare_std_N: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.tare_std_N >= 0:
+        _require_floats(self, "calibration")
+        if self.tare_std_N < 0:
             raise _refused(f"calibration: tare_std_N = {self.tare_std_N:g} is negative", "tare_std_N")
 
     @property
     def lsb_N(self) -> float:
         """Return the force of one count [N], 0 without a converter."""
-        return self.adc.lsb_V * self.cell.gain_N_V if self.adc else 0.0
+        return self.adc.lsb_V * self.cell.line.gain_N_V if self.adc else 0.0
 
     def checked(self, values: Any) -> IntArray:
         """Return raw counts as integers, -1 where one is missing, after making sure that the converter can give them."""
@@ -186,16 +273,16 @@ class Calibration:
 
     def apply(self, values: Any) -> tuple[FloatArray, Saturation]:
         """Return the forces of raw counts or volts, and where the converter sat at its limits."""
-        cell = self.cell
+        line = self.cell.line
         if self.adc is None:
             nowhere = np.empty((0, 2), dtype=np.int64)
-            force_N = np.asarray(values, dtype=np.float64) - cell.zero_V
-            force_N *= cell.gain_N_V
+            force_N = np.asarray(values, dtype=np.float64) - line.zero_V
+            force_N *= line.gain_N_V
             force_N -= self.tare_N
             return force_N, Saturation(high_runs=nowhere, low_runs=nowhere)
         counts = self.checked(values)
-        gain_N = self.adc.lsb_V * cell.gain_N_V
-        offset_N = (self.adc.low_V - cell.zero_V) * cell.gain_N_V - self.tare_N
+        gain_N = self.adc.lsb_V * line.gain_N_V
+        offset_N = (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
         force_N = np.asarray(counts * gain_N, dtype=np.float64)
         force_N += offset_N
         missing = counts < 0
@@ -242,7 +329,8 @@ class Calibration:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as JSON-able values, under schema `ropefric.calibration/1`."""
-        cell = asdict(self.cell) | {"assumed": list(self.cell.assumed)}
+        cell = asdict(self.cell)
+        cell |= {"points": [list(point) for point in self.cell.points], "assumed": list(self.cell.assumed)}
         return {
             "schema": SCHEMA,
             "adc": asdict(self.adc) if self.adc else None,
@@ -301,12 +389,14 @@ _LIMITS = {
 }
 
 
-def chain_quantities(calibration: Calibration) -> tuple[Quantity, ...]:
+def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity, ...]:
     """Return what a chain leaves uncertain of one of its forces, corrections of zero that are not made.
 
-    Linearity, hysteresis, repeatability, transmitter: limits as fractions of full scale.
+    Linearity, hysteresis, repeatability, transmitter: limits as fractions of full scale. Calibration line: the scatter
+    of three or more calibration points about it, n − 2 degrees of freedom; two points give none.
     """
-    cell, found = calibration.cell, []
+    cell, line = calibration.cell, calibration.cell.line
+    found = []
     for key, (name, symbol) in _LIMITS.items():
         assumed = f"cells.{cell.name}.{key}" if key in cell.assumed else ""
         limit_N = getattr(cell, key) * cell.full_scale_N
@@ -316,25 +406,31 @@ def chain_quantities(calibration: Calibration) -> tuple[Quantity, ...]:
     if calibration.adc:
         step_N, width = calibration.lsb_N, math.sqrt(12.0)
         found.append(Quantity("resolution", "δ_q", "N", step_N, divisor=width, distribution="rectangular"))
+    if line.n:
+        # The line saw the rope rig's untared reading, not the force after the tare.
+        distance_N = force_N + calibration.tare_N - line.mean_N
+        std_N = line.scatter_N * math.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.squares_N2)
+        dof = line.dof if line.n > 2 else math.inf
+        found.append(Quantity("calibration line", "δ_cal", "N", std_N, type="A", dof=dof))
     return tuple(found)
 
 
-def cell_std_N(calibration: Calibration | None) -> float:
+def cell_std_N(force_N: float, calibration: Calibration | None) -> float:
     """Return the part [N] of a force's standard uncertainty that all forces of its cell share; NaN without a chain.
 
-    Linearity, hysteresis and transmitter: what neither repeats nor other conditions average out.
+    Linearity, hysteresis, transmitter and calibration line: what neither repeats nor other conditions average out.
     """
     if calibration is None:
         return math.nan
     own = ("cell's repeatability", "resolution")
-    return math.hypot(*(item.std for item in chain_quantities(calibration) if item.name not in own))
+    return math.hypot(*(item.std for item in chain_quantities(force_N, calibration) if item.name not in own))
 
 
-def force_std_N(calibration: Calibration | None, *, picking_std_N: float = 0.0) -> float:
+def force_std_N(force_N: float, calibration: Calibration | None, *, picking_std_N: float = 0.0) -> float:
     """Return the standard uncertainty [N] of one force: its chain, its tare and the picking of its peak."""
     if calibration is None:
         return picking_std_N
-    chain = (quantity.std for quantity in chain_quantities(calibration))
+    chain = (quantity.std for quantity in chain_quantities(force_N, calibration))
     return math.hypot(*chain, calibration.tare_std_N, picking_std_N)
 
 

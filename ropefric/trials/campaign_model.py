@@ -92,6 +92,14 @@ def _pair(value: object, what: str, like: str) -> list[object]:
     return value
 
 
+def _point(value: object) -> tuple[float, float]:
+    force, voltage = _pair(value, "a pair of force and voltage", '["500 N", "2.5 V"]')
+    return _POINT_N(force), _VOLTAGE(voltage)
+
+
+_POINT_N = read.quantity("N", "500 N")
+
+
 def protocol_names() -> Collection[str]:
     """Return the names of all protocols."""
     from ropefric.traces.protocols import PROTOCOLS  # noqa: PLC0415  (brings the pickers, which nothing here runs)
@@ -284,6 +292,7 @@ _CELL = Table(
         "full_scale_V": ("full_scale_voltage", _VOLTAGE),
         "rated_output": ("rated_output", read.quantity("", "2 mV/V", above=0)),
         **dict.fromkeys(ASSUMED_LIMITS, read.fraction("0.02 %FS")),
+        "points": ("calibration_points", tuple[Annotated[Any, PlainValidator(_point)], ...]),
         "serial": read.text,
         "calibrated": read.date_text,
     },

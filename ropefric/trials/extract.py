@@ -365,7 +365,7 @@ def _with_end_tension(trace: ForceTrace, found: Breakaway) -> Breakaway:
     if value_N <= 3.0 * scatter_N * share:
         why = "a rope cannot push" if value_N <= 0.0 else "no more than its noise"
         raise DataError(f"the end tension at break-away reads {value_N:.4g} N: {why}", **place)
-    std_N = force_std_N(trace.end_calibration, picking_std_N=scatter_N * share)
+    std_N = force_std_N(value_N, trace.end_calibration, picking_std_N=scatter_N * share)
     return replace(found, end_tension_N=value_N, end_tension_std_N=std_N)
 
 
@@ -405,10 +405,10 @@ def _measured_force(campaign: Campaign, breakaway: Breakaway, calibration: Calib
         return nan, nan
     top_N = breakaway.peak_N
     if campaign.protocol.name != "two-way":
-        return top_N, force_std_N(calibration, picking_std_N=breakaway.peak_std_N)
+        return top_N, force_std_N(top_N, calibration, picking_std_N=breakaway.peak_std_N)
     low_N = breakaway.trough_N  # half of each force's share, see `traces.protocols`
-    std_N = 0.5 * force_std_N(calibration)
-    return top_N, math.hypot(breakaway.peak_std_N, std_N, (top_N / low_N) * std_N)
+    up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
+    return top_N, math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
 
 
 def _doubtful_forces(spec: TrialSpec, peak_N: float, end_N: float) -> Iterator[Problem]:
@@ -427,7 +427,7 @@ def _kinetic_std_N(found: Breakaway, calibration: Calibration | None) -> float:
     """
     wander_N = math.sqrt(max(found.kinetic_std_N**2 - found.noise_std_N**2, 0.0))
     wander_N /= math.sqrt(max(found.n_slips - 1, 1))
-    return force_std_N(calibration, picking_std_N=wander_N)
+    return force_std_N(found.kinetic_N, calibration, picking_std_N=wander_N)
 
 
 def _result(
@@ -449,7 +449,7 @@ def _result(
         wheel_radius_std_m=wheel.radius_std_m if wheel else 0.0,
         rope_radius_std_m=rope.radius_std_m if rope.radius_m == spec.rope_radius_m else 0.0,
         wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
-        cell_std_N=cell_std_N(calibration) if is_ok else nan,
+        cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=hung[0],
         end_tension_set_std_N=hung[1],
         kinetic_mean_std_N=_kinetic_std_N(breakaway, calibration),

@@ -204,5 +204,5 @@ def test_a_cell_knows_what_was_assumed_of_it():
     assert cell.assumed == LIMITS[1:]
     calibration = Calibration(cell=cell)
     assert calibration.to_dict()["cell"]["assumed"] == list(LIMITS[1:])
-    components = {one.name: one.assumed for one in chain_quantities(calibration)}
+    components = {one.name: one.assumed for one in chain_quantities(300.0, calibration)}
     assert (components["linearity"], components["transmitter"]) == ("", "cells.K1.transmitter")

@@ -22,7 +22,7 @@ def test_settings_in_si(bench):
     assert {name: wheel.radius_m for name, wheel in campaign.wheels.items()} == {"W40": 0.04, "W60": 0.06}
     assert campaign.cells["K1"] == ForceCell(
         name="K1", full_scale_N=1000.0, zero_V=0.0, full_scale_V=5.0, linearity=0.0002, hysteresis=0.0003,
-        repeatability=0.0002, transmitter=0.001, serial="K-7",
+        repeatability=0.0002, transmitter=0.001, points=((0.0, 0.002), (500.0, 2.501)), serial="K-7",
         calibrated="2026-01-15",
     )  # fmt: skip
     assert campaign.adc == Adc(bits=10, low_V=0.0, high_V=5.0)
@@ -163,6 +163,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     assert str(tmp_path) not in text
     assert (resolved["folder"], resolved["trials"][0]["file"]) == ("recordings", "recordings/a.csv")
     assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
+    assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 
 
 def test_a_moved_campaign_is_the_same_campaign(bench, tmp_path_factory):

@@ -31,6 +31,8 @@ MISTAKES = {
     "share without per cent": ('"0.02 %FS"', '"0.02"', "RF130", "cells.K1.linearity", "no per-cent sign", "0.02 %FS"),
     "share too large": ('"0.02 %FS"', '"20 %FS"', "RF110", "cells.K1.linearity", "not between 0 % and 10 %", "0.02 %FS"),
     "voltages the wrong way": ('full_scale_voltage = "5 V"', 'full_scale_voltage = "-5 V"', "RF110", "cells.K1.full_scale_voltage", "not above 0 V", "swap"),
+    "one calibration point": ('["0 N", "0.002 V"], ', "", "RF110", "cells.K1.calibration_points", "one calibration point", "two or more"),
+    "calibration point without unit": ('["500 N", "2.501 V"]', "[500, 2.501]", "RF130", "cells.K1.calibration_points[1]", "got 500", '"500 N"'),
     "date in quotes": ("2026-01-15", '"2026-01-15"', "RF110", "cells.K1.calibrated", "expected a date", "without quotes"),
     "too many bits": ("bits = 10", "bits = 64", "RF110", "adc.bits", "a whole number from 1 to 32, got 64", ""),
     "empty converter range": ('high = "5 V"', 'high = "0 V"', "RF111", "adc.high", "empty", ""),

@@ -17,6 +17,7 @@ from ropefric.fitting.budgets import (
     weights,
     with_measured_end,
 )
+from ropefric.traces.calibration import ForceCell
 from ropefric.uncertainty.budget import (
     BudgetStatus,
     Quantity,
@@ -166,3 +167,10 @@ def test_improvements_are_the_budgets_they_promise(pulls):
     assert more.expanded == pytest.approx(linear_budget(force_model(again)).expanded, rel=1e-12)
     assert more.saving == pytest.approx(1 - more.expanded / budget.expanded)
     assert list(found) == sorted(found, key=lambda action: -found[action].saving)
+
+
+def test_a_line_through_two_points_is_taken_as_exact_and_said_to_be(pulls):
+    cell = ForceCell(name="K1", full_scale_N=1000.0, points=((0.0, 0.0), (1000.0, 5.0)))
+    (condition,) = conditions_of_extraction(pulls(FORCES, cell=cell))
+    stated = state_uncertainty(force_model(condition.measured), draws=20_000)
+    assert any("calibration line" in note for note in stated.notes if note.startswith("taken as exact"))

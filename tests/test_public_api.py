@@ -427,7 +427,7 @@ def test_a_breakaway_is_a_dictionary_and_draws_itself_with_its_recording():
     found = rf.find_breakaway(PULL_S, PULL_N)
     told = found.to_dict()
     assert json.loads(json.dumps(told)) == told
-    assert (told["status"], told["peak_N"], told["end_tension_N"]) == ("ok", found.peak_N, None)
+    assert (told["status"], told["peak_N"], told["recurrence_s"]) == ("ok", found.peak_N, None)
     assert told["phases"][0] == {"name": "idle", "start_s": 0.0, "end_s": pytest.approx(0.3, abs=0.05)}
     axes = found.plot()
     assert axes.lines[0].get_ydata().size == PULL_N.size

@@ -61,7 +61,7 @@ def facts_of(result: TrialResult) -> dict[str, Any]:
     """Return the results and remarks of a trial, without its samples."""
     found = result.breakaway
     tree = {name: getattr(found, name) for name in ("window_s", "detail", "notes")}
-    for name in ("phases", "candidates"):
+    for name in ("phases", "events", "candidates"):
         tree[name] = [asdict(one) for one in getattr(found, name)]
     tree |= {"numbers": numbers.on_page(result), "mu": result.mu}
     tree["advice"] = "" if found.status is Status.OK else found.advice

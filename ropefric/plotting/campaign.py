@@ -323,13 +323,13 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
 def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
     """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean.
 
-    One with spikes or hum is typical only where all have them.
+    One with bumps, spikes or hum is typical only where all have them.
     """
     by_name = {trial.trial: trial for trial in extraction.trials}
     for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
         kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
         if kept:
-            more = {t.trial: bool(t.breakaway.notes) for t in kept}
+            more = {t.trial: bool(t.breakaway.events or t.breakaway.notes) for t in kept}
             return min(kept, key=lambda t: (more[t.trial], abs(t.measured_N - item.mean_kept_N)))
     return None
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 from math import nan
 from typing import Any, ClassVar, NamedTuple
@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.calibration import Adc, ForceCell
@@ -64,6 +65,18 @@ class Bench:
     zero_counts: Range = (6.0, 15.0)
     noise_counts: Range = (0.3, 1.0)
     zero_drift_counts: float = 0.2
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.type == Range and not 0.0 <= value[0] <= value[1] < math.inf:
+                message = f"{item.name} = {value} is not a range: lower and upper limit, neither negative"
+                raise InputError(message, key=item.name)
+        for key in ("sampling_rate_Hz", "rope_stiffness_N_m", "cell_stiffness_N_m", "moving_mass_kg"):
+            if not 0.0 < getattr(self, key) < math.inf:
+                raise InputError(f"{key} = {getattr(self, key)} is not a positive number", key=key)
+        if not self.cells:
+            raise InputError("the bench has no force cell", key="cells")
 
     def cell_for(self, lift_force_N: float) -> ForceCell:
         """Return the smallest cell that measures a lift force with headroom, or the largest there is."""
@@ -135,6 +148,7 @@ class RecordingTruth:
     cell: str = ""
     dwell_s: float = nan
     tooth_tops_N: tuple[float, ...] = ()
+    tooth_times_s: tuple[float, ...] = ()
     phases: tuple[Phase, ...] = ()
 
 
@@ -318,6 +332,7 @@ class BreakawayPull:
             return RecordingTruth(status=Status.NO_PEAK, **held)
         top_s = self.teeth.time_s[self.teeth.time_s < self.off_s - self.breakaway_s] + self.breakaway_s
         held["tooth_tops_N"] = tuple(self._after_ramp_N(top_s).tolist())
+        held["tooth_times_s"] = tuple(top_s.tolist())
         return RecordingTruth(status=Status.OK, breakaway_time_s=self.breakaway_s, **held)
 
 

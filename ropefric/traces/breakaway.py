@@ -66,21 +66,28 @@ class Phase:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Candidate:
-    """A place that may be the break-away.
+class ForceEvent:
+    """A fall of the force: a partial slip, snag or impact before the break-away, a stick-slip event, a candidate.
 
     Attributes
     ----------
+    kind : str
+        `partial-slip`, `bump`, `slip`, `break-away` or `let-down`.
     time_s, force_N : float
         When the force was highest [s], and how high [N].
+    drop_N, fall_s : float
+        How far it fell [N] and how long that took [s].
     evidence : str
-        What it hangs on in words, as whether a drift is taken off.
+        Of a candidate, in words: what it hangs on, as whether a drift is taken off.
     probability : float
-        How likely the picker takes it for the break-away, to two digits; NaN where nobody says.
+        Of a candidate: how likely the picker takes it for the break-away, to two digits; NaN where nobody says.
     """
 
+    kind: str
     time_s: float
     force_N: float
+    drop_N: float
+    fall_s: float
     evidence: str = ""
     probability: float = nan
 
@@ -122,13 +129,17 @@ class Breakaway(Shown):
         Fall from the peak [N], and the lowest force of that slip [N].
     n_slips : int
         Stick-slip events from the break-away on, itself included; 0 where none was found.
+    recurrence_s : float
+        Median time between neighbouring stick-slip events [s].
     dwell_s : float
         Time of rest before the loading [s].
     rest_N : float
         Force of the rope at rest before the loading, of a recording that was not tared [N].
     end_tension_N, end_tension_std_N : float
         Measured slack tension at the peak and its standard uncertainty [N], where a second channel gives it.
-    candidates : tuple of Candidate
+    events : tuple of ForceEvent
+        Partial slips, bumps and impacts before the break-away, and every stick-slip event.
+    candidates : tuple of ForceEvent
         Possible break-aways, best first, where the status is `doubtful`.
     phases : tuple of Phase
         The phases in time.
@@ -171,11 +182,13 @@ class Breakaway(Shown):
     drop_N: float = nan
     trough_N: float = nan
     n_slips: int = 0
+    recurrence_s: float = nan
     dwell_s: float = nan
     rest_N: float = nan
     end_tension_N: float = nan
     end_tension_std_N: float = nan
-    candidates: tuple[Candidate, ...] = field(default=())
+    events: tuple[ForceEvent, ...] = field(default=())
+    candidates: tuple[ForceEvent, ...] = field(default=())
     phases: tuple[Phase, ...] = field(default=())
     notes: tuple[str, ...] = field(default=())
     trace: Any = field(default=None, repr=False, compare=False)

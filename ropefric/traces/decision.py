@@ -6,13 +6,15 @@ probability that the first gives to a place, so looks that disagree leave a doub
 at its limit, a gap in the samples, how high the top is (`peak`) and where its zero lies (`zero`).
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray, median
-from ropefric.traces.breakaway import SURE, Breakaway, Candidate, PickSettings, Status
+from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.coherence import incoherence, sudden_steps
 from ropefric.traces.noise import runs_of
@@ -44,6 +46,8 @@ CLOSER = 0.5
 step may be damage, its other bins are a second opinion."""
 FAINT, APART = 1e-3, 2
 """Smallest probability of a bin that counts as a place; largest distance of two bins of one place."""
+FALL = 0.005
+"""Falls smaller than this fraction of the force are not listed."""
 LARGE, TOOTH = 0.1, 0.15
 """Slips larger than the first fraction of the largest give the typical (median) slip; a tooth of a train is larger than
 the second fraction of that."""
@@ -73,7 +77,7 @@ class Place(NamedTuple):
     probability: float
 
 
-class Top(NamedTuple):
+class Candidate(NamedTuple):
     """A candidate for the break-away: block, force, probability, first and last time."""
 
     block: int
@@ -86,7 +90,7 @@ class Top(NamedTuple):
 class Judgement(NamedTuple):
     """The candidates, most probable first, the probability of each reason for no break-away, and the first look."""
 
-    candidates: list[Top]
+    candidates: list[Candidate]
     reasons: dict[Status, float]
     whole: Look
 
@@ -205,7 +209,8 @@ def _before_sliding(
     if same < SURE:
         return _in_doubt(prepared, found)
     result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
-    result = replace(result, probability=round(same, 2))
+    events = tuple(_events(prepared, found.whole, best.block, settings))
+    result = replace(result, probability=round(same, 2), events=events)
     if settings.min_step_N is not None and not result.drop_N >= settings.min_step_N:
         detail = (
             f"the force falls by {result.drop_N:.3g} N only, less than min_step = {settings.min_step_N:g} N"
@@ -223,7 +228,7 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     """Return the candidates and reasons with their probabilities: one look at the whole, one around each place."""
     whole = look(prepared.time_s, prepared.force_N, weights)
     places, reasons = _answers(whole)
-    tops: dict[int, Top] = {}
+    tops: dict[int, Candidate] = {}
     has_step = _sudden(prepared).size > 0
     longest = 1.0 if has_step else CLOSER
     for number, place in enumerate(places):
@@ -263,13 +268,13 @@ def _sudden(prepared: Prepared) -> IntArray:
     return steps[steps_s[steps - 1] <= GAP_STEPS * median(steps_s)]
 
 
-def share_near(found: Judgement, top: Top) -> float:
+def share_near(found: Judgement, top: Candidate) -> float:
     """Return the probability of a candidate's force, the candidates that agree with it included."""
     within_N = SAME * abs(top.force_N)
     return sum(one.probability for one in found.candidates if abs(one.force_N - top.force_N) <= within_N)
 
 
-def _both(one: Top, other: Top) -> Top:
+def _both(one: Candidate, other: Candidate) -> Candidate:
     first_s, last_s = min(one.first_s, other.first_s), max(one.last_s, other.last_s)
     return one._replace(probability=one.probability + other.probability, first_s=first_s, last_s=last_s)
 
@@ -291,13 +296,13 @@ def _answers(seen: Look) -> tuple[list[Place], dict[Status, float]]:
     return found, {reason: share / whole for reason, share in seen.reasons.items()}
 
 
-def _candidate(prepared: Prepared, first_s: float, last_s: float, probability: float) -> Top:
+def _candidate(prepared: Prepared, first_s: float, last_s: float, probability: float) -> Candidate:
     """Return the highest block within a stretch of time."""
     blocks = prepared.blocks
     first, stop = np.searchsorted(blocks.time_s, (first_s, last_s), side="right")
     first = max(0, int(first) - 1)
     block = first + int(np.argmax(blocks.force_N[first : max(int(stop), first + 1)]))
-    return Top(block, float(blocks.force_N[block]), probability, first_s, last_s)
+    return Candidate(block, float(blocks.force_N[block]), probability, first_s, last_s)
 
 
 # --- what is said of it ---------------------------------------------------------------------------------------------
@@ -349,12 +354,19 @@ def _where_damaged(prepared: Prepared, found: Judgement) -> str:
 def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
     """Return a doubtful result: several candidates, or a candidate and a reason, are possible."""
     time_s = prepared.blocks.time_s
-    candidates = tuple(
-        Candidate(time_s=float(time_s[one.block]), force_N=one.force_N, probability=one.probability)
+    events = tuple(
+        ForceEvent(
+            kind="break-away",
+            time_s=float(time_s[one.block]),
+            force_N=one.force_N,
+            drop_N=nan,
+            fall_s=nan,
+            probability=one.probability,
+        )
         for one in found.candidates
         if one.probability >= SEEN
     )
-    said = [f"{one.force_N:.4g} N at {one.time_s:.4g} s ({one.probability:.2f})" for one in candidates]
+    said = [f"{event.force_N:.4g} N at {event.time_s:.4g} s ({event.probability:.2f})" for event in events]
     damaged = Status.DOUBTFUL
     said += [
         f"{it.value} ({one:.2f})" for it, one in found.reasons.items() if one >= SEEN and it is not damaged
@@ -369,8 +381,8 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
         Status.DOUBTFUL,
         detail,
         prepared,
-        candidates=candidates,
-        probability=max(*(one.probability for one in candidates), *found.reasons.values()),
+        candidates=events,
+        probability=max(*(event.probability for event in events), *found.reasons.values()),
     )
 
 
@@ -405,8 +417,13 @@ def measured(
     )
     if sliding is None:
         return result
-    teeth = teeth_of(force_N[block : sliding.stop + 1], least_fall_N(prepared, settings))
-    return replace(result, n_slips=1 + teeth.size if teeth.size else 0)
+    teeth = teeth_of(force_N[block : sliding.stop + 1], least_fall_N(prepared, settings)) + block
+    apart_s = np.diff(prepared.blocks.time_s[[block, *teeth.tolist()]])
+    return replace(
+        result,
+        n_slips=1 + teeth.size if teeth.size else 0,
+        recurrence_s=float(np.median(apart_s)) if teeth.size else nan,
+    )
 
 
 def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
@@ -444,6 +461,28 @@ def teeth_of(force_N: FloatArray, least_N: float) -> IntArray:
 
 def _bins_of(whole: Look, time_s: FloatArray) -> IntArray:
     return np.clip(np.searchsorted(whole.edges_s, time_s, side="right") - 1, 0, whole.place.size - 1)
+
+
+def _events(prepared: Prepared, whole: Look, block: int, settings: PickSettings) -> Iterator[ForceEvent]:
+    """Yield the falls before the break-away: partial slips and disturbances."""
+    blocks = prepared.blocks
+    least_N = max(least_fall_N(prepared, settings), FALL * abs(float(blocks.force_N[block])))
+    tops, _ = swings(blocks.force_N[: block + 1], least_N)
+    for top in tops.tolist():
+        bottom = fallen_from(blocks.force_N, top, least_N)
+        during = whole.states[np.unique(_bins_of(whole, blocks.time_s[top : bottom + 1]))].sum(axis=0)
+        if during.argmax() in {State.HUNG, State.REST}:
+            continue
+        is_slip = (
+            during[State.PARTIAL_SLIP] + during[State.SLIP] + during[State.LOADING] > during[State.DISTURBED]
+        )
+        yield ForceEvent(
+            kind="partial-slip" if is_slip else "bump",
+            time_s=float(blocks.time_s[top]),
+            force_N=float(blocks.force_N[top]),
+            drop_N=float(blocks.force_N[top] - blocks.force_N[bottom]),
+            fall_s=float(blocks.time_s[bottom] - blocks.time_s[top]),
+        )
 
 
 # --- what hides a peak ----------------------------------------------------------------------------------------------

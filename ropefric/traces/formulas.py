@@ -68,14 +68,19 @@ def _evaluate(formula: str, channels: Mapping[str, FloatArray], constants: Mappi
     if unexplained.any():
         index = int(np.argmax(unexplained))
         raise _FormulaError(f"gives {result[index]} at sample {index + 1}")
-    return result
+    return result.astype(np.float64)
 
 
 def _value(node: ast.AST, symbols: Mapping[str, FloatArray | float]) -> FloatArray | float:
     """Return the value of a part of a formula."""
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
         operands = _value(node.left, symbols), _value(node.right, symbols)
-        return np.asarray(_OPERATIONS[type(node.op)](*operands))
+        value = np.asarray(_OPERATIONS[type(node.op)](*operands))
+        if value.ndim == 0 and not np.isfinite(
+            value
+        ):  # a channel divided by it would be zero, and look like one
+            raise _FormulaError(f"gives {value} in {ast.unparse(node)!r}")
+        return value
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return -_value(node.operand, symbols)
     if isinstance(node, ast.Name):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
-from ropefric.traces.breakaway import SURE, Breakaway, Candidate, PickSettings, Status
+from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.noise import runs_of
 from ropefric.traces.segments import AT_REST, TINY, Blocks, Prepared
@@ -439,15 +439,18 @@ def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Break
 
 def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breakaway:
     """Return a doubtful result with several possible forces at one place, each with the assumption behind it."""
-    candidates = tuple(
-        Candidate(time_s=result.peak_time_s, force_N=force_N, evidence=evidence)
+    events = tuple(
+        ForceEvent(
+            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, fall_s=math.nan,
+            evidence=evidence,
+        )
         for evidence, force_N in forces_N.items()
     )  # fmt: skip
     return Breakaway(
         status=Status.DOUBTFUL,
-        detail=f"{' or '.join(f'{one.force_N:.4g} N' for one in candidates)}: {why}",
+        detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
         noise_std_N=result.noise_std_N, probability=result.probability, rest_N=result.rest_N,
-        candidates=candidates, notes=result.notes, phases=result.phases,
+        candidates=events, events=result.events, notes=result.notes, phases=result.phases,
     )  # fmt: skip
 
 

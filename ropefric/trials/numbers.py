@@ -89,9 +89,9 @@ class TrialColumn:
 def candidates_in_words(found: Breakaway) -> str:
     """Return the forces that may be the break-away, and how likely each is where that is known."""
     return "; ".join(
-        f"{one.force_N:.5g} N at {one.time_s:.5g} s"
-        + (f" ({one.probability:.2f})" if isfinite(one.probability) else "")
-        for one in found.candidates
+        f"{event.force_N:.5g} N at {event.time_s:.5g} s"
+        + (f" ({event.probability:.2f})" if isfinite(event.probability) else "")
+        for event in found.candidates
     )
 
 
@@ -144,6 +144,7 @@ COLUMNS: tuple[TrialColumn, ...] = (
     _picked("drop_N", words="drop", on_page=OnPage(2, "drop", "N")),
     _picked("trough_N", words="trough"),
     _picked("n_slips", words="slips", on_page=OnPage(6, "stick-slip events")),
+    _picked("recurrence_s", words="recurrence"),
     *_of_trial("mu", words="μ", rank=2),
     *_of_trial("mu_std"),
     *_of_trial("mu_kinetic", words="kinetic μ", rank=2),

@@ -232,8 +232,9 @@ class Extraction(Shown):
         for trial in self.trials:
             calibration, found = trial.calibration, trial.breakaway
             row = trial.to_dict() | {"calibration": None if calibration is None else calibration.to_dict()}
-            told = (asdict(one) for one in found.candidates)
-            row["candidates"] = [{key: _finite_or_none(value) for key, value in one.items()} for one in told]
+            for name in ("events", "candidates"):
+                told = (asdict(event) for event in getattr(found, name))
+                row[name] = [{key: _finite_or_none(value) for key, value in event.items()} for event in told]
             trials.append(row)
         return {
             "campaign": self.name,

@@ -16,7 +16,7 @@ from ropefric.page.desk import Desk
 from ropefric.page.review import Review
 from ropefric.page.server import PageServer
 from ropefric.traces.breakaway import Status
-from ropefric.traces.decision import Judgement, Top
+from ropefric.traces.decision import Candidate, Judgement
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
@@ -83,7 +83,7 @@ def undecided(monkeypatch):
 
     def judge(prepared):
         asked.append(float(prepared.time_s[0]))
-        candidates = [Top(0, 80.0, 0.61, 2.1, 2.2), Top(0, 70.0, 0.3, 1.5, 1.5)]
+        candidates = [Candidate(0, 80.0, 0.61, 2.1, 2.2), Candidate(0, 70.0, 0.3, 1.5, 1.5)]
         return Judgement(candidates, {Status.NO_BREAKAWAY: 0.09, Status.NO_PEAK: 0.0}, None)
 
     monkeypatch.setattr(session, "judge", judge)

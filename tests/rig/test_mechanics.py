@@ -1,5 +1,7 @@
 """The force on the rope: what is said to happen happens, when and as high as it is said to."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.signal
@@ -75,3 +77,7 @@ def test_bad_forces_and_names_are_refused():
         ({"cell": "K2"}, "unknown force cell 'K2'")):  # fmt: skip
         with pytest.raises(UnknownNameError, match=words):
             record(0, *keys.pop("faults", ()), **keys)
+    with pytest.raises(InputError, match="idle_s"):
+        Bench(idle_s=(0.5, 0.1))
+    with pytest.raises(InputError, match="moving_mass_kg"):
+        replace(Bench(), moving_mass_kg=0.0)

@@ -96,8 +96,9 @@ def test_phases_slips_fall_and_sliding_are_those_of_the_rig():
             pytest.approx(slides.start_s, abs=0.03), pytest.approx(slides.end_s, abs=0.12)
         )  # fmt: skip
         assert found.kinetic_s == pytest.approx(slides.end_s - slides.start_s, abs=0.15)
-        n_teeth = len(truth.tooth_tops_N)
-        assert n_teeth - 1 <= found.n_slips <= n_teeth + 2
+        true_s = np.array([truth.breakaway_time_s, *truth.tooth_times_s])
+        assert true_s.size - 2 <= found.n_slips <= true_s.size + 1
+        assert found.recurrence_s == pytest.approx(np.median(np.diff(true_s)), rel=0.15)
         after_s = trace.time_s - truth.breakaway_time_s
         lowest_N = float(np.nanmin(trace.force_N[(after_s > 0.0) & (after_s < 0.01)]))
         assert lowest_N <= found.trough_N <= lowest_N + 0.6 * (truth.lift_force_N - lowest_N)

@@ -53,8 +53,11 @@ def test_a_snag_lets_the_rope_go_before_the_pull():
     assert best_N == pytest.approx(100.0, rel=0.01)
 
 
-def test_a_partial_slip_is_passed_and_the_full_one_picked():
-    finds(drawn(*PULL) - 6.0 * np.clip((TIME_S - 2.7) / 0.003, 0.0, 1.0), 94.0)
+def test_a_partial_slip_is_listed_and_the_full_one_picked():
+    found = finds(drawn(*PULL) - 6.0 * np.clip((TIME_S - 2.7) / 0.003, 0.0, 1.0), 94.0)
+    (event,) = found.events
+    assert (event.kind, event.time_s) == ("partial-slip", pytest.approx(2.7, abs=0.01))
+    assert event.drop_N == pytest.approx(6.0, abs=1.0)
 
 
 def test_an_impact_on_the_climb_is_no_breakaway():

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.traces.breakaway import Breakaway, Candidate, Status
+from ropefric.traces.breakaway import Breakaway, ForceEvent, Status
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.trials.result import TrialResult, summarise_conditions, write_tables
 from ropefric.trials.table import read_trial_table
 
 PHI, END_N = math.pi, 20.0
-CANDIDATES = (Candidate(time_s=1.3, force_N=97.3, probability=0.61), Candidate(time_s=0.7, force_N=51.25))
+CANDIDATES = (ForceEvent(kind="break-away", time_s=1.3, force_N=97.3, drop_N=12.0, fall_s=0.01, probability=0.61),
+    ForceEvent(kind="bump", time_s=0.7, force_N=51.25, drop_N=30.0, fall_s=0.2))  # fmt: skip
 
 
 def trial(name, *, peak_N=60.0, kinetic_N=45.0, kept=True, **found):
@@ -26,14 +27,15 @@ def trial(name, *, peak_N=60.0, kinetic_N=45.0, kept=True, **found):
 
 
 def test_a_condition_has_mean_scatter_and_number_of_what_was_measured():
-    trials = [trial("a", kinetic_N=44.0, n_slips=3, drop_N=15.0, dwell_s=2.0),
-        trial("b", peak_N=62.0, kinetic_N=46.0, n_slips=5, drop_N=16.0),
+    trials = [trial("a", kinetic_N=44.0, n_slips=3, recurrence_s=0.5, drop_N=15.0, dwell_s=2.0),
+        trial("b", peak_N=62.0, kinetic_N=46.0, n_slips=5, recurrence_s=0.7, drop_N=16.0),
         trial("c", peak_N=61.0, kinetic_N=math.nan)]  # fmt: skip
     _, (condition,), _ = summarise_conditions(trials, "none")
     row = condition.to_dict()
     kinetic = [row[name] for name in ("mean_kinetic_N", "std_kinetic_N", "n_kinetic")]
     assert kinetic == [45.0, pytest.approx(math.sqrt(2.0)), 2]
     assert (row["mean_n_slips"], row["n_slips"]) == (pytest.approx(8 / 3), 3)
+    assert (row["mean_recurrence_s"], row["n_recurrence"]) == (pytest.approx(0.6), 2)
     dwell = [row[name] for name in ("mean_measured_dwell_s", "std_measured_dwell_s", "n_measured_dwell")]
     assert dwell == [2.0, None, 1]
     assert row["mean_mu_kinetic"] == pytest.approx((math.log(44 / 20) + math.log(46 / 20)) / 2 / PHI)

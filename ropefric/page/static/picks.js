@@ -177,7 +177,8 @@ function showInfo() {
   $("facts").replaceChildren(...facts.flatMap(([what, value]) => [make("dt", what), make("dd", value)]),
     ...notes.flatMap((note, place) => [make("dt", place ? "" : "notes"), make("dd", note)]));
   showPlaces();
-  fillCandidates($("candidates"), info.candidates);
+  fillEvents($("candidates"), info.candidates, true);
+  fillEvents($("events"), info.events, false);
   enable($("do-clear"), row.decision || row.why || (row.excluded && row.by));
   enable($("do-undo"), S.undo);
 }
@@ -195,20 +196,24 @@ function showPlaces() {
   $("places").textContent = $("places").hidden ? "" : `Where the break-away may be: ${[said.join(", ") || "nowhere", ...none].join("; ")}.`;
 }
 
-function fillCandidates(panel, candidates) {
-  panel.hidden = !candidates.length;
+function fillEvents(panel, events, asks) {
+  panel.hidden = !events.length;
   const [head, body] = [panel.querySelector("thead"), panel.querySelector("tbody")];
-  const some = (name) => candidates.some((one) => known(one[name]) && one[name] !== "");
+  const some = (name) => events.some((event) => known(event[name]) && event[name] !== "");
   const columns = [["at", (e) => unit(e.time_s, "s", 6)], ["force", (e) => unit(e.force_N, "N")],
-    ["probability", (e) => known(e.probability) ? e.probability.toFixed(2) : "–"], ["evidence", (e) => e.evidence]]
-    .filter(([name]) => some({ at: "time_s", force: "force_N" }[name] ?? name));
-  head.replaceChildren(tableRow(["", ...columns.map(([name]) => name)], "th"));
-  redraw(body, ...candidates.map((candidate, place) => {
-    const first = make("td"), button = make("button", String(place + 1));
-    button.setAttribute("aria-label", `Choose candidate ${place + 1}`);
-    button.onclick = () => moveTo(candidate.time_s);
-    first.append(button);
-    return tableRow([first, ...columns.map(([name, said]) => make("td", said(candidate), name === "evidence" ? "" : "force"))]);
+    ["probability", (e) => known(e.probability) ? e.probability.toFixed(2) : "–"], ["fall", (e) => unit(e.drop_N, "N", 3)],
+    ["evidence", (e) => e.evidence]].filter(([name]) => some({ at: "time_s", force: "force_N", fall: "drop_N" }[name] ?? name));
+  head.replaceChildren(tableRow([asks ? "" : "kind", ...columns.map(([name]) => name)], "th"));
+  redraw(body, ...events.slice(0, 200).map((event, place) => {
+    let first = event.kind;
+    if (asks) {
+      first = make("td");
+      const button = make("button", String(place + 1));
+      button.setAttribute("aria-label", `Choose candidate ${place + 1}`);
+      button.onclick = () => moveTo(event.time_s);
+      first.append(button);
+    }
+    return tableRow([first, ...columns.map(([name, said]) => make("td", said(event), name === "evidence" ? "" : "force"))]);
   }));
 }
 
@@ -329,6 +334,11 @@ function draw() {
     pen.strokeStyle = color("smooth"); pen.lineWidth = 1.6; pen.beginPath();
     curve.smoothed_N.forEach((f, i) => { if (known(f)) pen.lineTo(x(curve.time_s[i]), y(f)); });
     pen.stroke();
+  }
+  pen.fillStyle = color("event");
+  for (const event of info.events) {
+    const at = x(event.time_s), top = y(event.force_N) - 5;
+    pen.beginPath(); pen.moveTo(at, top); pen.lineTo(at - 5, top - 8); pen.lineTo(at + 5, top - 8); pen.fill();
   }
   info.candidates.forEach((event, place) => {
     const at = x(event.time_s), top = Math.max(EDGE.top + 12, y(event.force_N) - 14);

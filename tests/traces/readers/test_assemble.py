@@ -138,6 +138,7 @@ def test_formulas_can_do_no_more_than_arithmetic():
         ("'x' * b", "Constant"), ("a +", "not a formula"), ("", "not a formula"), ("x = a", "not a formula"),
         ("2 + 3", "uses no channel"), ("1j * b", "Constant"), ("True * b", "Constant"), ("9**9**9**9 * b", "gives inf"),
         ("9" * 390 + " * b", "not a formula"), ("b << 2", "BinOp"), ("(" * 300 + "b", "not a"), ("~b", "UnaryOp"),
+        ("b / (1 / 0)", "gives inf in '1 / 0'"), ("b / 9**9**9**9", "gives inf in"),
         ("b\n+a; b", "not a formula"), ("b + " * 400 + "b", "longer than"),
     ):  # fmt: skip
         with pytest.raises(DataError) as caught:

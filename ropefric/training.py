@@ -1,9 +1,8 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 7000] [--jobs 2]` writes
-`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings and three rigs. The fourth rig is
-left for the temperature, together with other draws of the second, and for the check. It needs the extra `train`;
-nothing else in ropefric imports it.
+`python -m ropefric.training [--out FOLDER] [--jobs 2]` writes `picker.npz` and `picker.md`. It learns from
+drawn recordings and three rigs. The fourth rig is left for the temperature, together with other draws of the second,
+and for the check. It needs the extra `train`; nothing else in ropefric imports it.
 """
 
 import argparse
@@ -37,21 +36,11 @@ from ropefric.traces import decision, picker
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
-from ropefric.traces.picker import (
-    BINS,
-    CHANNELS,
-    POOLED,
-    REASONS,
-    WEIGHT_GRID,
-    WIDTHS,
-    State,
-    closer,
-    forward,
-    seen,
-)
+from ropefric.traces.picker import BINS, REASONS, State, closer, forward, seen
 from ropefric.traces.segments import MIN_SAMPLES, prepare
 from ropefric.traces.trace import ForceTrace
 
+SEED, DRAWN, STEPS = 21, 36_000, 7_000
 BATCH, RATE, DECAY = 64, 3e-3, 1e-3
 BLUR_BINS, SMOOTHING = 0.8, 0.03
 """Standard deviation in bins over which a label is spread; fraction of it that all answers share."""
@@ -60,7 +49,7 @@ STATES = 0.3
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
 PIECE, UNKNOWN = 500, 255
-"""Recordings drawn at a time; the state of bins of which none is known."""
+"""Recordings drawn at a time; the state of bins of which none is known, as of all recordings but the drawn ones."""
 LEFT_OUT = 777
 """Seed of recordings that nothing is trained on."""
 UNSEEN = "fourth rig, of which nothing was trained on"
@@ -173,30 +162,21 @@ def _each_with_its_own(made: Iterable[LabelledRecording], seed: int, piece: int,
         yield _perhaps_damaged(one, rng), rng
 
 
-class Source(NamedTuple):
-    """Recordings to learn from: one for how many drawn ones, a piece of them, and whether all states are known."""
-
-    one_in: int
-    draw: Callable[[int, int], Labelled]
-    has_states: bool = False
-
-
 SOURCES = {
-    "drawn": Source(1, _drawn, has_states=True),
-    "first rig": Source(10, _of_first_rig),
-    "second rig": Source(3, _of_second_rig),
-    "third rig": Source(10, _of_third_rig),
-}
+    "drawn": (1, _drawn), "first rig": (10, _of_first_rig), "second rig": (3, _of_second_rig),
+    "third rig": (10, _of_third_rig),
+}  # fmt: skip
+"""Recordings to learn from: one for how many drawn ones, and how a piece of them is drawn."""
 
 
 def _piece(task: tuple[str, int, int]) -> tuple[Any, Any, Any]:
     """Return the lessons of a piece of a source as arrays."""
     name, seed, number = task
-    made = [lesson for one, rng in SOURCES[name].draw(seed, number) for lesson in lessons_of(one, rng)]
+    made = [lesson for one, rng in SOURCES[name][1](seed, number) for lesson in lessons_of(one, rng)]
     states = np.array([lesson.states for lesson in made], dtype=np.uint8)
     channels = np.array([lesson.channels for lesson in made], dtype=np.float16)
     answers = np.array([lesson.answer for lesson in made], dtype=np.float32)
-    return channels, answers, states if SOURCES[name].has_states else np.full_like(states, UNKNOWN)
+    return channels, answers, states if name == "drawn" else np.full_like(states, UNKNOWN)
 
 
 def draw_lessons(seed: int, count: int, jobs: int = 1) -> tuple[Any, Any, Any]:
@@ -206,8 +186,8 @@ def draw_lessons(seed: int, count: int, jobs: int = 1) -> tuple[Any, Any, Any]:
     """
     tasks = [
         (name, seed, number)
-        for name, source in SOURCES.items()
-        for number in range(-(-count // (source.one_in * PIECE)))
+        for name, (one_in, _) in SOURCES.items()
+        for number in range(-(-count // (one_in * PIECE)))
     ]
     with ProcessPoolExecutor(jobs) as pool:
         pieces = list(pool.map(_piece, tasks))
@@ -216,11 +196,7 @@ def draw_lessons(seed: int, count: int, jobs: int = 1) -> tuple[Any, Any, Any]:
 
 def rig_recording(rng: np.random.Generator) -> tuple[ForceTrace, RecordingTruth]:
     """Return a recording of the first rig as the picker gets it, with a fault that a recording survives, or none."""
-    usable = [
-        one.name
-        for one in FAULTS.values()
-        if not one.on_bytes and (not one.protocols or "breakaway" in one.protocols)
-    ]
+    usable = [one.name for one in FAULTS.values() if not one.on_bytes]
     bench, name = Bench(), str(rng.choice(["", *usable]))
     lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
     given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}
@@ -272,9 +248,12 @@ class Network(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.layers = nn.ModuleDict()
-        channels = torch.zeros(2, CHANNELS, BINS)
+        channels = torch.zeros(2, picker.CHANNELS, BINS)
         forward(channels, self._added, _twice, _beside)
-        self.pool, self.reason = nn.Linear(2 * WIDTHS[-1], POOLED), nn.Linear(POOLED, len(REASONS))
+        self.pool, self.reason = (
+            nn.Linear(2 * picker.WIDTHS[-1], picker.POOLED),
+            nn.Linear(picker.POOLED, len(REASONS)),
+        )
 
     def _added(
         self, name: str, values: Any, width: int, reach: int, every: int = 1, *, is_last: bool = False
@@ -311,7 +290,8 @@ class Network(nn.Module):
         for name, dense in (("pool", self.pool), ("reason", self.reason)):
             found[f"{name}.w"] = dense.weight.detach().double().T[None]
             found[f"{name}.b"] = dense.bias.detach().double()
-        return {name: np.rint(values.numpy() * WEIGHT_GRID) / WEIGHT_GRID for name, values in found.items()}
+        grid = picker.WEIGHT_GRID
+        return {name: np.rint(values.numpy() * grid) / grid for name, values in found.items()}
 
 
 def _twice(values: Any) -> Any:
@@ -324,10 +304,10 @@ def _beside(left: Any, right: Any) -> Any:
 
 def _targets(answers: Any) -> Any:
     """Return the share of every answer: spread over neighbouring bins, a little over all."""
-    bins = torch.arange(BINS, device=answers.device) + 0.5
+    bins = torch.arange(BINS) + 0.5
     near = torch.exp(-0.5 * ((bins[None] - answers[:, None]) / BLUR_BINS) ** 2)
     place = (answers < BINS).float()[:, None] * near / near.sum(dim=1, keepdim=True).clamp_min(1e-9)
-    numbers = BINS + torch.arange(len(REASONS), device=answers.device)
+    numbers = BINS + torch.arange(len(REASONS))
     reasons = (answers[:, None] == numbers[None]).float()
     wanted = torch.cat([place, reasons], dim=1)
     return (1.0 - SMOOTHING) * wanted + SMOOTHING / wanted.shape[1]
@@ -338,26 +318,23 @@ def train(
     steps: int,
     seed: int,
     say: Callable[[str], object] = lambda _: None,
-    device: str = "cpu",
-    *,
-    short_floats: bool = False,
 ) -> Network:
-    """Return the network that has learnt from lessons; the layers may calculate in bfloat16."""
+    """Return the network that has learnt from lessons; its layers calculate in bfloat16."""
     torch.manual_seed(seed)
     rng = np.random.default_rng([seed, 1])
-    network = Network().to(device)
-    channels, answers, states = (torch.from_numpy(values).to(device) for values in lessons)
+    network = Network()
+    channels, answers, states = map(torch.from_numpy, lessons)
     optimizer = torch.optim.AdamW(network.parameters(), RATE, betas=(0.9, 0.98), weight_decay=DECAY)
     plan = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATE, total_steps=steps, pct_start=0.1)
-    order, mean_loss = np.zeros(0, dtype=np.intp), torch.zeros((), device=device)
+    order, mean_loss = np.zeros(0, dtype=np.intp), torch.zeros(())
     for step in range(steps):
         if order.size < BATCH:
             order = rng.permutation(len(answers))
-        chosen, order = torch.from_numpy(np.sort(order[:BATCH])).to(device), order[BATCH:]
+        chosen, order = torch.from_numpy(np.sort(order[:BATCH])), order[BATCH:]
         batch = channels[chosen].float().transpose(1, 2).contiguous()
         shift = rng.standard_normal((len(batch), 1)) * 0.01 * (rng.random((len(batch), 1)) < 0.3)
-        batch[:, 0] += torch.from_numpy(shift.astype(np.float32)).to(device)
-        with torch.autocast(device, torch.bfloat16, enabled=short_floats):
+        batch[:, 0] += torch.from_numpy(shift.astype(np.float32))
+        with torch.autocast("cpu", torch.bfloat16):
             places, kinds = network(batch)
         places, kinds = places.float(), kinds.float()
         wanted = _targets(answers[chosen])
@@ -371,7 +348,7 @@ def train(
         mean_loss += (loss.detach() - mean_loss) * max(0.01, 1.0 / (step + 1))
         if step % 100 == 99:
             say(f"step {step + 1} of {steps}: loss {float(mean_loss):.3f}")
-    return network.cpu().eval()
+    return network.eval()
 
 
 class Known(NamedTuple):
@@ -441,7 +418,6 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
         "| recordings | number | right | wrong though `ok` | doubtful | another reason |",
         "|---|---|---|---|---|---|",
     ]
-    stated: list[tuple[float, bool]] = []
     for name, ones in sets.items():
         kinds: dict[str, Counter[str]] = defaultdict(Counter)
         for one in ones:
@@ -451,26 +427,13 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
                 continue
             found = decision.pick_prepared(one.trace, prepared, settings, weights)
             kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
-            answers = answers_of(one, weights)
-            if answers and name == UNSEEN:
-                best = max(answers, key=lambda answer: answers[answer])
-                stated.append((answers[best], is_right(one, best)))
         lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
         lines += [
             _row(kind, counts) for kind, counts in sorted(kinds.items()) if counts["right"] < counts.total()
         ]
-    lines += [
-        "",
-        f"| probability stated | answers for the {UNSEEN} | mean stated | share right |",
-        "|---|---|---|---|",
-    ]
-    for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.9), (0.9, 0.95), (0.95, 1.01)):
-        within = [(share, is_so) for share, is_so in stated if low <= share < high]
-        if within:
-            mean, share = np.mean(within, axis=0)
-            lines.append(f"| {low:g} to {min(high, 1.0):g} | {len(within)} | {mean:.3f} | {share:.3f} |")
-    mean, share = np.mean(stated, axis=0)
-    return "\n".join([*lines, f"| all | {len(stated)} | {mean:.3f} | {share:.3f} |", ""])
+    stated, right = stated_and_right(sets[UNSEEN], weights)
+    said = f"Of the {UNSEEN}: {stated:.3f} stated on average, {right:.3f} of the answers right."
+    return "\n".join([*lines, "", said, ""])
 
 
 def _fate(one: Known, status: Status, peak_N: float) -> str:
@@ -491,23 +454,13 @@ def main() -> None:
     """Draw, train, set the temperature, and write weights and model card into a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
-    for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 7_000), ("jobs", 2)):
-        parser.add_argument(f"--{name}", type=int, default=usual)
-    parser.add_argument(
-        "--device", default="cpu", help="where the network is trained, as torch names it: cpu, cuda"
-    )
-    parser.add_argument(
-        "--short-floats",
-        action="store_true",
-        help="train in bfloat16: half the time where the processor has it",
-    )
+    parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
     torch.set_num_threads(given.jobs)
     say = partial(print, flush=True)
-    lessons = draw_lessons(given.seed, given.recordings, given.jobs)
-    say(f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and their parts of three rigs")
-    options: Any = {"device": given.device, "short_floats": given.short_floats}
-    write(given.out, train(lessons, given.steps, given.seed, say, **options).weights(), say)
+    lessons = draw_lessons(SEED, DRAWN, given.jobs)
+    say(f"{len(lessons[1])} lessons of {DRAWN} drawn recordings and their parts of three rigs")
+    write(given.out, train(lessons, STEPS, SEED, say).weights(), say)
 
 
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 from math import nan
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,18 +15,13 @@ from ropefric.registry import Registry
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.calibration import Adc, ForceCell
 
-SETTLED_S = 0.03  # after break-away from which the sliding force counts as kinetic
-RELAXATION_S = 0.4  # in which a held rope relaxes
+_SETTLED_S = 0.03  # after break-away from which the sliding force counts as kinetic
+_RELAXATION_S = 0.4  # in which a held rope relaxes
 _ONSET_S = 0.05
 _TONES, _BAND_HZ = 6, (3.0, 15.0)
-_SLOW_TEETH, _SLOW_TEETH_HZ = (8, 16), (2.0, 6.0)
-_CYCLES, _JERKS = 3, 5
 
 Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
-
-
-_CELLS = (ForceCell(name="K1", full_scale_N=1000.0), ForceCell(name="K5", full_scale_N=5000.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,9 +31,12 @@ class Bench:
     A pair is a range; each recording draws its own value from it, uniformly.
     """
 
+    adc: ClassVar[Adc] = Adc()
+    cells: ClassVar[tuple[ForceCell, ...]] = (
+        ForceCell(name="K1", full_scale_N=1000.0),
+        ForceCell(name="K5", full_scale_N=5000.0),
+    )
     sampling_rate_Hz: float = 3000.0
-    adc: Adc = field(default_factory=Adc)
-    cells: tuple[ForceCell, ...] = _CELLS
     cell_use: float = 0.8
     rope_stiffness_N_m: float = 1.0e5
     cell_stiffness_N_m: float = 1.0e7
@@ -96,12 +94,6 @@ class Bench:
         return math.sqrt(series_N_m / self.moving_mass_kg) / (2.0 * math.pi)
 
 
-_SLOW: Any = {"idle_s": (1.5, 2.5), "load_s": (2.0, 5.0), "dwell_s": (8.0, 15.0), "slide_s": (1.0, 3.0)}
-_SCALES = (ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0))
-HELD_BENCH = Bench(sampling_rate_Hz=50.0, adc=Adc(bits=12), cells=_SCALES, zero_counts=(10.0, 30.0), **_SLOW)
-"""A hand-held spring-scale test, for protocol `held`: slack side measured, 50 Hz, 12 bit, cells of 50 and 500 N."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
     """The measuring chain of one recording, with its imperfections.
@@ -118,19 +110,18 @@ class Sensor:
     hum_counts: float = 0.0
     hum_Hz: float = 50.0
     hum_phase_rad: float = 0.0
-    gain_error: float = 0.0
 
     @property
     def ceiling_N(self) -> float:
         """Return the force that takes the converter to its largest count [N], drift and noise aside."""
         line = self.cell.line
         top_V = self.adc.high_V - self.zero_counts * self.adc.lsb_V
-        return (top_V - line.zero_V) * line.gain_N_V / (1.0 + self.gain_error)
+        return (top_V - line.zero_V) * line.gain_N_V
 
     def ideal_counts(self, force_N: FloatArray, time_s: FloatArray) -> FloatArray:
         """Return what the converter is given, in counts: neither noisy nor rounded nor clipped."""
         line = self.cell.line
-        voltage_V = line.zero_V + force_N * (1.0 + self.gain_error) / line.gain_N_V
+        voltage_V = line.zero_V + force_N / line.gain_N_V
         counts = (voltage_V - self.adc.low_V) / self.adc.lsb_V + self.zero_counts
         if time_s.size > 1:
             counts = counts + self.drift_counts * (time_s - time_s[0]) / (time_s[-1] - time_s[0])
@@ -158,15 +149,7 @@ class RecordingTruth:
     dwell_s: float = nan
     tooth_tops_N: tuple[float, ...] = ()
     tooth_times_s: tuple[float, ...] = ()
-    plateaus_N: tuple[float, ...] = ()
     phases: tuple[Phase, ...] = ()
-
-
-def phases_of(*ends_s: float, slides: bool) -> tuple[Phase, ...]:
-    """Return the phases of a pull by their ends [s]."""
-    names = ("idle", "loading", "sliding" if slides else "held", "unloading")
-    spans = zip(names, (0.0, *ends_s), ends_s, strict=False)
-    return tuple(Phase(name=name, start_s=start_s, end_s=end_s) for name, start_s, end_s in spans)
 
 
 def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArray], FloatArray]:
@@ -323,7 +306,7 @@ class BreakawayPull:
     def _after_ramp_N(self, time_s: FloatArray) -> FloatArray:
         elapsed_s = time_s - self.breakaway_s
         if not self.breaks_away:
-            relaxed = -np.expm1(-elapsed_s / RELAXATION_S)
+            relaxed = -np.expm1(-elapsed_s / _RELAXATION_S)
             return np.asarray(self.ramp_top_N * (1.0 - self.hold_loss * relaxed))
         part = elapsed_s / (self.off_s - self.breakaway_s)
         # A straight drift would be a trend line any fit removes; half a sine on it is still slow.
@@ -336,11 +319,14 @@ class BreakawayPull:
     def truth(self) -> RecordingTruth:
         """Return what a perfect reading of this recording would find."""
         ends_s = (self.hang_s, self.breakaway_s, self.off_s, self.end_s)
-        phases, dwell_s = phases_of(*ends_s, slides=self.breaks_away), self.ramp_s - self.settle_s
+        names = ("idle", "loading", "sliding" if self.breaks_away else "held", "unloading")
+        spans = zip(names, (0.0, *ends_s), ends_s, strict=False)
+        phases = tuple(Phase(name=name, start_s=start_s, end_s=end_s) for name, start_s, end_s in spans)
+        dwell_s = self.ramp_s - self.settle_s
         held: dict[str, Any] = {"lift_force_N": self.lift_force_N, "dwell_s": dwell_s, "phases": phases}
         if not self.breaks_away:
             return RecordingTruth(status=Status.NO_BREAKAWAY, **held)
-        sliding_s = np.linspace(min(self.breakaway_s + SETTLED_S, self.off_s), self.off_s, 4001)
+        sliding_s = np.linspace(min(self.breakaway_s + _SETTLED_S, self.off_s), self.off_s, 4001)
         held["kinetic_N"] = float(self._after_ramp_N(sliding_s).mean())
         if not self.has_peak:
             return RecordingTruth(status=Status.NO_PEAK, **held)
@@ -376,92 +362,3 @@ def draw_breakaway(
     drawn["holding_N"] = pretension_N + (kinetic_N - pretension_N) * rng.uniform(0.3, 0.8)
     drawn |= {"release_s": rng.uniform(*bench.release_s), "pretension_N": pretension_N, "bounce_N": bounce_N}
     return BreakawayPull(lift_force_N=lift_force_N, ramp_top_N=lift_force_N, kinetic_N=kinetic_N, **drawn)
-
-
-def _draw_stick_slip(
-    bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
-) -> BreakawayPull:
-    n = int(rng.integers(*_SLOW_TEETH, endpoint=True))
-    tops_N = lift_force_N * (1.0 + bench.trial_scatter * rng.standard_normal(n + 1))
-    pull = draw_breakaway(bench, float(tops_N[0]), end_tension_N, rng)
-    drop_N = pull.lift_force_N - pull.kinetic_N
-    bottom_N = -drop_N * rng.uniform(0.6, 1.0, n + 1)
-    reload_N_s = 1.8 * drop_N * rng.uniform(*_SLOW_TEETH_HZ)
-    teeth = lay_teeth(top_N=tops_N - pull.kinetic_N, bottom_N=bottom_N, reload_N_s=reload_N_s)
-    off_s = pull.breakaway_s + float(teeth.time_s[-2] + 0.7 * (teeth.time_s[-1] - teeth.time_s[-2]))
-    # Static tops stand on the static friction, not on the kinetic level, so that level must not drift here.
-    return replace(pull, teeth=teeth, drift=0.0, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
-
-
-class HeldPulls(NamedTuple):
-    """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
-
-    knot_s: FloatArray
-    knot_N: FloatArray
-    hold_s: FloatArray
-    creep_N: FloatArray
-    creep_s: FloatArray
-    plateau_N: FloatArray
-    lift_force_N: float
-    end_s: float
-
-    def force_N(self, time_s: FloatArray) -> FloatArray:
-        """Return the true force on the slack side [N]."""
-        force_N = np.interp(time_s, self.knot_s, self.knot_N)
-        for (start_s, end_s), creep_N, creep_s, plateau_N in zip(
-            self.hold_s, self.creep_N, self.creep_s, self.plateau_N, strict=True
-        ):
-            held = (time_s >= start_s) & (time_s < end_s)
-            force_N[held] = plateau_N + creep_N * np.exp(-(time_s[held] - start_s) / creep_s)
-        return force_N
-
-    def truth(self) -> RecordingTruth:
-        """Return the plateaus and when they were held."""
-        phases = tuple(Phase(name="held", start_s=a, end_s=b) for a, b in self.hold_s.tolist())
-        held: dict[str, Any] = {"plateaus_N": tuple(self.plateau_N.tolist()), "phases": phases}
-        return RecordingTruth(status=Status.OK, lift_force_N=self.lift_force_N, **held)
-
-
-def _draw_held(
-    bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
-) -> HeldPulls:
-    plateau_N = end_tension_N * (1.0 + bench.trial_scatter * rng.standard_normal(_CYCLES))
-    creep_N = plateau_N * rng.uniform(0.005, 0.015, _CYCLES)
-    now_s = rng.uniform(*bench.idle_s)
-    knot_s, knot_N, hold_s = [0.0, now_s], [0.0, 0.0], []
-    for level_N, excess_N in zip(plateau_N, creep_N, strict=True):
-        # A hand pulls in jerks: quick rises with short rests between them.
-        lasting_s = rng.uniform(*bench.load_s)
-        steps = np.sort(rng.uniform(0.1, 0.9, _JERKS))
-        for number, part in enumerate(np.append(steps, 1.0)):
-            knot_s += [now_s + lasting_s * (number + reached) / (_JERKS + 1) for reached in (0.4, 1)]
-            knot_N += [part * (level_N + excess_N)] * 2
-        start_s = knot_s[-1]
-        end_s = start_s + rng.uniform(*bench.dwell_s)
-        let_go_s = end_s + rng.uniform(0.3, 0.8)
-        now_s = let_go_s + rng.uniform(*bench.slide_s)
-        slack_N = level_N * rng.uniform(0.01, 0.05)
-        knot_s += [end_s, let_go_s, now_s]
-        knot_N += [level_N, slack_N, slack_N]
-        hold_s.append((start_s, end_s))
-    knots = {"knot_s": np.array(knot_s), "knot_N": np.array(knot_N), "hold_s": np.array(hold_s)}
-    held: Any = {"creep_N": creep_N, "creep_s": rng.uniform(0.5, 1.2, _CYCLES), "plateau_N": plateau_N}
-    return HeldPulls(lift_force_N=lift_force_N, end_s=now_s, **knots, **held)
-
-
-class RigProtocol(NamedTuple):
-    """A way of running the rig: whether one recording holds several trials, whether the tight side is measured."""
-
-    name: str
-    draw: Callable[[Bench, float, float, np.random.Generator], BreakawayPull | HeldPulls]
-    scatters_inside: bool
-    measures_lift: bool = True
-
-
-_PROTOCOLS = (
-    RigProtocol("breakaway", draw_breakaway, scatters_inside=False),
-    RigProtocol("stick-slip", _draw_stick_slip, scatters_inside=True),
-    RigProtocol("held", _draw_held, scatters_inside=True, measures_lift=False),
-)
-RIG_PROTOCOLS = Registry("rig protocol", _PROTOCOLS)
-"""One static peak a recording, slow teeth of which each is a trial, plateaus held on the slack side."""

@@ -7,25 +7,25 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from string import Template
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.files.disk import write_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.registry import did_you_mean
-from ropefric.rig.bench import RIG_PROTOCOLS, Bench, RecordingTruth
-from ropefric.rig.pulls import PHYSICS
+from ropefric.rig.bench import Bench, RecordingTruth
 from ropefric.rig.recording import FAULTS, ORDINARY, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
 _MOST_TRIALS = 100_000
+_TEMPLATE = Path(__file__).with_name("campaign.toml")
 Progress = Callable[[int, int, str], None]
 
 
@@ -54,34 +54,19 @@ class CampaignPlan:
     conditions: tuple[RigCondition, ...]
     design: RigCondition
     unseen: tuple[RigCondition, ...] = ()
-    rope_linear_density_kg_m: float = 0.062
     repeats: int = 12
     faults: Mapping[str, float] = field(default_factory=lambda: dict(ORDINARY))
     bench: Bench = field(default_factory=Bench)
-    protocol: str = "breakaway"
-    physics: str = "coulomb"
 
     def __post_init__(self) -> None:
-        planned = f"{len(self.conditions)} conditions with {self.repeats} repeats"
-        if not self.conditions or self.repeats < 1:
-            fix = "plan at least one condition and one repeat"
-            raise InputError(f"{planned} make no recording", key="repeats", fix=fix)
-        if self.n_trials > _MOST_TRIALS:
-            message = f"{planned} are {self.n_trials} recordings; the limit is {_MOST_TRIALS}"
-            raise InputError(message, key="repeats", fix="use fewer repeats")
+        if not 0 < self.n_trials <= _MOST_TRIALS:
+            message = f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings"
+            fix = "use fewer repeats, and at least one"
+            raise InputError(f"{message}; the limit is {_MOST_TRIALS}", key="repeats", fix=fix)
         for name, rate in self.faults.items():
-            fault = FAULTS[name]
+            FAULTS[name]  # refuses an unknown one
             if not 0.0 <= rate <= 1.0:
                 raise InputError(f"fault '{name}': rate {rate:g} is not between 0 and 1", key="faults")
-            if rate > 0.0:
-                fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
-        known = ("coulomb", *PHYSICS)
-        if self.physics not in known:
-            fix = did_you_mean(self.physics, known)
-            raise UnknownNameError(f"unknown physics {self.physics!r}", key="physics", fix=fix)
-        if self.physics != "coulomb" and self.protocol != "breakaway":
-            message = f"physics '{self.physics}' does not go with protocol '{self.protocol}'"
-            raise InputError(message, key="physics", fix="use physics 'coulomb', or protocol 'breakaway'")
         self.lift_force_N(self.conditions)
 
     @property
@@ -161,19 +146,15 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
     Faults are dealt out by quota, rate times number of recordings, so that a small campaign has them too. At
     most one fault of the mechanics befalls a recording; faults of samples and file come on top.
     """
-    if seed < 0:
-        raise InputError(f"seed {seed} is negative", key="seed", fix="use 0 or more")
     law_N = plan.lift_force_N(plan.conditions)
-    way = RIG_PROTOCOLS[plan.protocol]
     rng = np.random.default_rng([seed, 0])
     by_condition = 1.0 + plan.bench.condition_scatter * rng.standard_normal((law_N.size, 1))
     by_trial = 1.0 + plan.bench.trial_scatter * rng.standard_normal((law_N.size, plan.repeats))
-    scattered_N = law_N[:, np.newaxis] * by_condition * (1.0 if way.scatters_inside else by_trial)
-    lift_N = np.broadcast_to(scattered_N, by_trial.shape)
+    lift_N = law_N[:, np.newaxis] * by_condition * by_trial
     dealt = _deal_faults(plan, np.repeat(law_N, plan.repeats), np.random.default_rng([seed, 1]))
     trials = []
     for number, (condition, force_N) in enumerate(zip(plan.conditions, law_N.tolist(), strict=True)):
-        cell = plan.bench.cell_for(force_N if way.measures_lift else condition.end_tension_N).name
+        cell = plan.bench.cell_for(force_N).name
         for repeat in range(plan.repeats):
             index = number * plan.repeats + repeat
             name, one_N = f"c{number + 1:02d}-r{repeat + 1:02d}", float(lift_N[number, repeat])
@@ -207,9 +188,8 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
         "lift_force_N": trial.lift_force_N,
         "end_tension_N": trial.condition.end_tension_N,
     }
-    ways: dict[str, Any] = {"protocol": plan.protocol, "physics": plan.physics, "cell": trial.cell}
     rng = np.random.default_rng([seed, 2, trial.place])
-    recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, **forces, **ways)
+    recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, cell=trial.cell, **forces)
     buffer = io.BytesIO()
     # Without name and time, so that the same text gives the same bytes. Level 9 takes five times as long for a
     # thousandth of the size: time stamps are what fills these files.
@@ -248,7 +228,7 @@ def simulate_campaign(
                 progress(done, len(trials), trial.name)
         texts = {
             "campaign.toml": campaign_text(plan),
-            "trials.csv": _trials_text(plan, trials, truths),
+            "trials.csv": _trials_text(trials, truths),
             "truth.toml": "\n".join([*_truth_lines(plan, trials, truths, seed), ""]),
         }
         for name, text in texts.items():
@@ -268,60 +248,33 @@ def recording_text(recording: SimulatedRecording) -> str:
 
 def campaign_text(plan: CampaignPlan) -> str:
     """Return the `campaign.toml` of a plan."""
-    bench = plan.bench
-    diameter = _quantity(1e3 * plan.rope_diameter_m, "mm")
-    density = _quantity(1e3 * plan.rope_linear_density_kg_m, "g/m")
-    lines = [
-        "# Simulated by ropefric's virtual rig; no rope was pulled. The truth is in truth.toml.",
-        *_keys(schema="ropefric.campaign/1", name=f"{plan.name} (simulated)", trials="trials.csv"),
-        *_table(
-            "rope", diameter=diameter, linear_density=density, material="polyamide, kernmantle (simulated)"
-        ),
-    ]
-    radii_m = {c.wheel: c.wheel_radius_m for c in sorted(plan.conditions, key=lambda c: c.wheel_radius_m)}
-    for name, radius_m in radii_m.items():
-        lines += _table(
-            f"wheels.{name}", radius=_quantity(1e3 * radius_m, "mm"), material="aluminium (simulated)"
-        )
-    for cell in bench.cells:
-        limits = ("linearity", "hysteresis", "repeatability", "transmitter")
-        chain = {name: _quantity(100.0 * getattr(cell, name), "%FS") for name in limits}
-        if cell.zero_V != 0.0:
-            chain["zero_voltage"] = _quantity(cell.zero_V, "V")
-        if cell.full_scale_V != 5.0:
-            chain["full_scale_voltage"] = _quantity(cell.full_scale_V, "V")
-        lines += _table(f"cells.{cell.name}", full_scale=_thousands(cell.full_scale_N, "N"), **chain)
-    idle_s = math.floor(20.0 * (bench.idle_s[0] - 0.01)) / 20.0
-    adc, design = bench.adc, plan.design
-    radius = _quantity(1e3 * design.wheel_radius_m, "mm")
-    wrap = _quantity(math.degrees(design.wrap_angle_rad), "deg")
-    lines += [
-        *_table("adc", bits=adc.bits, low=_quantity(adc.low_V, "V"), high=_quantity(adc.high_V, "V")),
-        *_table("sampling", rate=_thousands(bench.sampling_rate_Hz, "Hz")),
-        *_table("protocol", name=plan.protocol),
-        *_table("tare", interval=["0 s", _quantity(idle_s, "s")]),
-        *_table("smoothing", window="auto"),
-        *_table("rejection", rule="two-sigma"),
-        *_table("weights", tolerance="0.05 %"),
-        *_table(
-            "design", wheel_radius=radius, wrap_angle=wrap, end_tension=_quantity(design.end_tension_N, "N")
-        ),
-        *_table("import", format="delimited", separator=",", decimal="."),
-        *_table("import.channels", time="time_s", counts="counts"),
-    ]
-    return "\n".join([*lines, ""])
+    radii_m = {
+        one.wheel: one.wheel_radius_m for one in sorted(plan.conditions, key=lambda one: one.wheel_radius_m)
+    }
+    wheel = '[wheels.{}]\nradius = "{:.10g} mm"\nmaterial = "aluminium (simulated)"\n\n'
+    numbers = {
+        "diameter": 1e3 * plan.rope_diameter_m,
+        "rate": 1e-3 * plan.bench.sampling_rate_Hz,
+        "idle": math.floor(20.0 * (plan.bench.idle_s[0] - 0.01)) / 20.0,
+        "radius": 1e3 * plan.design.wheel_radius_m,
+        "wrap": math.degrees(plan.design.wrap_angle_rad),
+        "tension": plan.design.end_tension_N,
+    }
+    return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
+        {key: f"{number:.10g}" for key, number in numbers.items()},
+        name=plan.name,
+        wheels="".join(wheel.format(name, 1e3 * radius_m) for name, radius_m in radii_m.items()),
+    )
 
 
-def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
-    # The weights hang on the slack side, or, where the slack side is measured, on the tight side.
-    slack = RIG_PROTOCOLS[plan.protocol].measures_lift
-    known = "end_tension_N" if slack else "lift_force_N"
-    rows = [["trial", "file", "wheel", "wrap_angle_deg", known, "cell", "rope_id", "dwell_s", "exclude"]]
+def _trials_text(trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
+    rows = [
+        ["trial", "file", "wheel", "wrap_angle_deg", "end_tension_N", "cell", "rope_id", "dwell_s", "exclude"]
+    ]
     for trial, truth in zip(trials, truths, strict=True):
         condition = trial.condition
         wrap_deg = f"{np.degrees(condition.wrap_angle_rad):.10g}"
-        force = f"{condition.end_tension_N if slack else trial.lift_force_N:.10g}"
-        dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
+        force, dwell = f"{condition.end_tension_N:.10g}", f"{truth.dwell_s:.3f}"
         rope = f"sim-rope-{trial.place + 1:03d}"
         rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
     return csv_text(map(to_spreadsheet, row) for row in rows)
@@ -332,20 +285,16 @@ def _truth_lines(
 ) -> Iterator[str]:
     yield "# The truth of this simulated campaign. An analysis must not read it; a test of one may."
     yield from _keys(schema=TRUTH_SCHEMA, simulated=True, seed=seed)
-    yield from () if plan.physics == "coulomb" else _keys(physics=plan.physics)
     parameters = {name: float(value) for name, value in plan.parameters.items()}
     yield from _keys(law=plan.law, parameters=parameters, rope_radius_m=0.5 * plan.rope_diameter_m)
     yield from _keys(trial_scatter=plan.bench.trial_scatter, condition_scatter=plan.bench.condition_scatter)
     for kind, conditions in (("conditions", plan.conditions), ("unseen", (plan.design, *plan.unseen))):
         for condition, force_N in zip(conditions, plan.lift_force_N(conditions).tolist(), strict=True):
             yield from _table(f"[{kind}]", **asdict(condition), lift_force_N=force_N)
-    inside = RIG_PROTOCOLS[plan.protocol].scatters_inside
     yield from _table("trials")
     for trial, truth in zip(trials, truths, strict=True):
         numbers = {key: getattr(truth, key) for key in ("lift_force_N", "breakaway_time_s", "kinetic_N")}
-        lists = {key: getattr(truth, key) for key in ("tooth_tops_N", "plateaus_N") if inside}
         known = {key: value for key, value in numbers.items() if not math.isnan(value)}
-        known |= {key: value for key, value in lists.items() if value}
         yield from _keys(**{trial.name: {"status": truth.status.value, "faults": truth.faults, **known}})
 
 
@@ -366,12 +315,3 @@ def _toml(value: object) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     return json.dumps(value, ensure_ascii=False)  # of these, TOML is written as JSON is
-
-
-def _quantity(value: float, unit: str) -> str:
-    """Return a quantity as people write it."""
-    return f"{value:.10g} {unit}"
-
-
-def _thousands(value: float, unit: str) -> str:
-    return _quantity(value / 1e3, f"k{unit}") if value >= 1e3 else _quantity(value, unit)

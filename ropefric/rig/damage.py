@@ -5,13 +5,11 @@ which sample each of them comes. `damaged` draws a sample at which the damage sh
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.registry import Registry
 from ropefric.traces.coherence import BESIDE, sudden_steps
 
 Rng = np.random.Generator
@@ -21,19 +19,9 @@ Spoilt = tuple[FloatArray, IntArray]
 class Damaged(NamedTuple):
     """Damaged forces, from which sample each one comes, and from which one on they do not go on."""
 
-    name: str
     force_N: FloatArray
     source: IntArray
     at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Damage:
-    """A kind of damage: what it does at a sample, and whether comparing numbers decides it, so that none is learnt."""
-
-    name: str
-    spoil: Callable[[Rng, FloatArray, int], Spoilt]
-    is_exact: bool = False
 
 
 def _from_on(force_N: FloatArray, at: int, factor: float, offset_N: float = 0.0) -> Spoilt:
@@ -76,49 +64,29 @@ def _joined(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
     return spoilt, source
 
 
-def _block_twice(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
-    first = max(0, at - int(rng.integers(30, max(31, force_N.size // 3))))
-    source = np.concatenate([np.arange(at), np.arange(first, force_N.size)])
-    return force_N[source], source
-
-
-def _interleaved(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
-    spoilt = force_N.copy()
-    spoilt[at % 2 :: 2] *= rng.uniform(0.0, 0.7)
-    return spoilt, np.arange(force_N.size)
-
-
-DAMAGES: Registry[Damage] = Registry("kind of damage", [
-    Damage("scale-changes", _scale_changes),
-    Damage("decimal-lost", _decimal_lost),
-    Damage("tared-again", _tared_again),
-    Damage("offset-steps", _offset_steps),
-    Damage("sign-flips", _sign_flips),
-    Damage("lines-lost", _lines_lost),
-    Damage("joined", _joined),
-    Damage("block-twice", _block_twice, is_exact=True),
-    Damage("interleaved", _interleaved, is_exact=True),
-])  # fmt: skip
-"""Kinds of damage to the lines of a file, by name."""
+DAMAGES: dict[str, Callable[[Rng, FloatArray, int], Spoilt]] = {
+    "scale-changes": _scale_changes, "decimal-lost": _decimal_lost, "tared-again": _tared_again,
+    "offset-steps": _offset_steps, "sign-flips": _sign_flips, "lines-lost": _lines_lost, "joined": _joined,
+}  # fmt: skip
+"""What each kind of damage to the lines of a file does at a sample, by name."""
 
 
 def damaged(
     rng: Rng, force_N: FloatArray, state: IntArray, between: tuple[int, int], name: str | None = None
 ) -> Damaged | None:
-    """Return a recording damaged at a sample between two, by a kind or by any that is learnt; None where it hides.
+    """Return a recording damaged at a sample between two, by a kind or by any; None where it hides.
 
     `state` is what the rope does at each sample: what falls as another state begins may be a slip or a let-down.
     """
-    learnt = [one.name for one in DAMAGES.values() if not one.is_exact]
-    kind = DAMAGES[name or str(rng.choice(learnt))]
+    kind = name or str(rng.choice(list(DAMAGES)))
     for _ in range(20):
         low, high = max(between[0], BESIDE), min(between[1], force_N.size - BESIDE)
         if low >= high:
             return None
         at = int(rng.integers(low, high))
-        spoilt_N, source = kind.spoil(rng, force_N, at)
+        spoilt_N, source = DAMAGES[kind](rng, force_N, at)
         step_N = float(spoilt_N[at] - spoilt_N[at - 1])
         may_be_a_slip = -spoilt_N[at - 1] < step_N < 0.0 and state[source[at]] != state[source[at - 1]]
-        if kind.is_exact or (not may_be_a_slip and at in sudden_steps(spoilt_N)):
-            return Damaged(kind.name, spoilt_N, source, at)
+        if not may_be_a_slip and at in sudden_steps(spoilt_N):
+            return Damaged(spoilt_N, source, at)
     return None

@@ -1,22 +1,17 @@
 """Pulls of the second rig: machines and contacts drawn from wide ranges, and their truth."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import SolverError
-from ropefric.rig.bench import SETTLED_S, Bench, RecordingTruth, phases_of
-from ropefric.rig.dynamics import Motion, Slider, simulate, stops
+from ropefric.rig.dynamics import Motion, Slider, stops
 from ropefric.traces.breakaway import Status
 
 Rng = np.random.Generator
 _SLIPPING = 0.1  # of the driving speed: from here on the contact slips
 _MACROSCOPIC = 8.0  # micro-slip lengths that a slip must exceed
-_ATTEMPTS = 30
 _FALL = 0.015  # of F_A; a first fall of less, or lost in the noise, is none
 
 
@@ -24,14 +19,12 @@ class Truth(NamedTuple):
     """Truth of a recording: its status, and F_A and its time where there is one.
 
     F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which lasts many
-    micro-slip lengths) and its first fall. `fall_N` is that fall; `partial_s` are the partial slips before it.
+    micro-slip lengths) and its first fall.
     """
 
     status: Status
     peak_N: float = nan
     time_s: float = nan
-    fall_N: float = nan
-    partial_s: tuple[float, ...] = ()
 
 
 RANGES: dict[str, Any] = {
@@ -204,9 +197,6 @@ SLOW = {"laws": _RSF, "direct": (0.9, 1.3), "drop": (0.12, 0.4)}
 NO_PEAK = {"laws": "ageing", "direct": (1.5, 4.0), "drop": (0.005, 0.02), "rough": (0.0, 0.003)}
 """A contact that gets stronger with speed by more than it got in rest."""
 
-PHYSICS = {"rate-state": _RSF, "lugre": ("lugre",)}
-"""The laws of contact by the name of their physics."""
-
 
 def _onset(motion: Motion, slider: Slider) -> int | None:
     """Return where the rope begins to slip for many micro-slip lengths."""
@@ -230,7 +220,7 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     onset = _onset(motion, slider)
     partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
-        return Truth(status=Status.NO_BREAKAWAY, partial_s=tuple(at_s for at_s in partial_s if at_s < inf))
+        return Truth(status=Status.NO_BREAKAWAY)
     stop = int(np.searchsorted(motion.time_s, stops(slider, float(motion.time_s[onset]))))
     force_N = motion.force_N[onset:stop]
     if force_N.size < 3:
@@ -254,102 +244,10 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
         for at_s, at_N, (_, _, lasting_s) in zip(partial_s, partial_N, slider.partial, strict=True)
     ):
         return None
-    higher = np.flatnonzero(force_N[peak:] > peak_N)
-    until = peak + int(higher[0]) if higher.size else force_N.size
-    return Truth(
-        status=Status.OK, peak_N=peak_N, time_s=time_s, fall_N=peak_N - float(force_N[peak:until].min()),
-        partial_s=tuple(at_s for at_s in partial_s if at_s < time_s),
-    )  # fmt: skip
+    return Truth(status=Status.OK, peak_N=peak_N, time_s=time_s)
 
 
 def _begun(motion: Motion, mu: float, start_s: float) -> float:
     """Return when a coefficient was first reached; never, where it was before the motor started."""
     at = int(np.argmax(motion.mu >= mu))
     return float(motion.time_s[at]) if motion.mu[at] >= mu and motion.time_s[at] > start_s else inf
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SliderPull:
-    """One recording of the bench with the friction of the second rig; the forces are scaled to a wanted F_A."""
-
-    motion: Motion
-    slider: Slider
-    known: Truth
-    scale: float
-    hang_s: float
-    lift_force_N: float
-
-    @property
-    def ramp_s(self) -> float:
-        """Return when the motor starts [s]."""
-        return self.slider.profile[1][0]
-
-    @property
-    def breakaway_s(self) -> float:
-        """Return when the rope breaks away, or, where nothing shows it, when the climb is as good as over [s]."""
-        force_N = self.motion.force_N
-        over = int(np.argmax(force_N >= 0.97 * force_N.max()))
-        return self.known.time_s if self.known.status == Status.OK else float(self.motion.time_s[over])
-
-    @property
-    def end_s(self) -> float:
-        """Return when the recording ends [s]."""
-        return float(self.motion.time_s[-1])
-
-    def force_N(self, time_s: FloatArray) -> FloatArray:
-        """Return the true force at times [N]; until the weights are hung there is none."""
-        part = np.clip((time_s - self.hang_s) / (0.3 * (self.ramp_s - self.hang_s)), 0.0, 1.0)
-        return np.asarray(self.scale * self.motion.spring_N(time_s) * part**2 * (3.0 - 2.0 * part))
-
-    def raised(self, factor: float) -> "SliderPull":
-        """Return the pull with all its forces scaled."""
-        return replace(self, scale=factor * self.scale, lift_force_N=factor * self.lift_force_N)
-
-    def truth(self) -> RecordingTruth:
-        """Return what a perfect reading of this recording would find."""
-        off_s = min(stops(self.slider, self.breakaway_s), self.end_s)
-        slides = self.known.status in {Status.OK, Status.NO_PEAK}
-        sliding_s = np.linspace(min(self.breakaway_s + SETTLED_S, off_s), off_s, 4001)
-        return RecordingTruth(
-            status=self.known.status, lift_force_N=self.lift_force_N, dwell_s=0.7 * (self.ramp_s - self.hang_s),
-            breakaway_time_s=self.known.time_s,
-            kinetic_N=float(self.force_N(sliding_s).mean()) if slides else nan,
-            phases=phases_of(self.hang_s, self.breakaway_s, off_s, self.end_s, slides=slides),
-        )  # fmt: skip
-
-
-def draw_slider_pull(
-    bench: Bench, lift_force_N: float, end_tension_N: float, rng: Rng, *, physics: str, ranges: Mapping[str, Any],
-    expects: Status,
-) -> SliderPull:  # fmt: skip
-    """Return a pull of the bench whose force comes from a contact law; F_A is `lift_force_N` or would have been."""
-    hang_s = rng.uniform(*bench.idle_s)
-    climb_s = rng.uniform(*bench.load_s)
-    own: dict[str, Any] = {
-        "force_N": lift_force_N,
-        "wraps": np.log(lift_force_N / end_tension_N) / 0.2 / (2.0 * np.pi),
-        "mu": 0.2,
-        "climb_s": climb_s,
-        "speed_m_s": lift_force_N / bench.rope_stiffness_N_m / climb_s,
-        "drop": tuple(1.0 - ratio for ratio in reversed(bench.kinetic_ratio)),
-        "natural_Hz": tuple(0.3 * bench.natural_frequency_Hz(one) for one in bench.stiffness_factor),
-        "idle_s": (hang_s + rng.uniform(*bench.hang_s) + rng.uniform(*bench.dwell_s)) / 1.5,
-        "slide_s": bench.slide_s,
-        "ending": "let-down",
-        "hang": 1.0,
-    }
-    own |= dict(ranges) | {"laws": PHYSICS[physics]}
-    if "held" in own:  # The weights alone may bring the rope near to slipping: the motor has only the rest.
-        left = 1.0 - (end_tension_N / lift_force_N) ** 0.8
-        own |= {"held": tuple(left * part for part in own["held"]), "soft_start": 0.1 * left}
-    for _ in range(_ATTEMPTS):
-        slider = draw_slider(rng, draw_numbers(rng, own))
-        (motion,) = simulate([slider])
-        known = truth_of(motion, slider)
-        if known is not None and known.status == expects:
-            # Where nothing slipped, the pull had got so far.
-            reached = rng.uniform(0.7, 0.95) if known.status == Status.NO_BREAKAWAY else 1.0
-            top_N = known.peak_N if known.status == Status.OK else float(motion.force_N.max()) / reached
-            drawn: dict[str, Any] = {"motion": motion, "slider": slider, "known": known, "hang_s": hang_s}
-            return SliderPull(scale=lift_force_N / top_N, lift_force_N=lift_force_N, **drawn)
-    raise SolverError(f"no pull of {lift_force_N:g} N with {physics} friction came out as {expects}")

@@ -1,19 +1,18 @@
 """One recording of the virtual rig: mechanics, sensor, converter, and what goes wrong in them or in the file."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, frozen_array
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.rig import bench as benches
-from ropefric.rig.bench import Bench, BreakawayPull, Sensor
-from ropefric.rig.pulls import NO_PEAK, SLOW, SliderPull, draw_slider_pull
+from ropefric.rig.bench import Bench, BreakawayPull, Sensor, draw_breakaway
 from ropefric.rig.strangers import IMPACT_S, SNAG_S, touched
 from ropefric.traces.breakaway import Status
 
@@ -25,13 +24,11 @@ _ROUGHNESS = (0.007, 0.02)  # standard deviation of the sliding force over the f
 _SEVERITY = tuple(map(Status, ("unreadable", "too-short", "saturated", "no-breakaway", "no-peak", "ok")))
 
 Rng = np.random.Generator
-Pull = BreakawayPull | SliderPull
 Samples = tuple[FloatArray, FloatArray]
 """Output of the logger: times [s] and counts."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedRecording:
+class SimulatedRecording(NamedTuple):
     """One recording of the virtual rig."""
 
     time_s: FloatArray
@@ -40,41 +37,27 @@ class SimulatedRecording:
     true_force_N: FloatArray
     truth: benches.RecordingTruth
 
-    def __post_init__(self) -> None:
-        for key in ("time_s", "counts", "true_time_s", "true_force_N"):
-            object.__setattr__(self, key, frozen_array(getattr(self, key)))
-
 
 @dataclass(frozen=True, slots=True)
 class Fault:
     """Something that goes wrong in a recording, and what an honest reading makes of it.
 
-    It acts on the pull, on the sensor, on the force, on the samples, or on the bytes of the file. With other friction
-    than Coulomb's, it changes the drawn ranges (`ranges`) instead of the pull.
+    It acts on the pull, on the sensor, on the force, on the samples, or on the bytes of the file.
     """
 
     name: str
     rate: float
     expected_status: Status | None = None
-    protocols: tuple[str, ...] = ()
     on_pull: Callable[[BreakawayPull, Rng], BreakawayPull] | None = None
     on_setup: Callable[[Any, Sensor, Bench, Rng], tuple[Any, Sensor]] | None = None
-    on_force: Callable[[FloatArray, Pull, Rng], FloatArray] | None = None
+    on_force: Callable[[FloatArray, BreakawayPull, Rng], FloatArray] | None = None
     on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
     on_bytes: Callable[[bytes, Rng], bytes] | None = None
-    ranges: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def is_mechanical(self) -> bool:
         """Return whether it befalls the pull, of which each recording has one."""
         return (self.on_pull or self.on_setup or self.on_force) is not None
-
-    def check_protocol(self, protocol: str) -> None:
-        """Refuse a protocol that this fault cannot befall."""
-        if self.protocols and protocol not in self.protocols:
-            fix = f"leave it out; it goes with: {', '.join(self.protocols)}"
-            what = f"fault '{self.name}' does not go with protocol '{protocol}'"
-            raise InputError(what, key="faults", fix=fix)
 
 
 def _near(time_s: FloatArray, peak_s: float, within_s: float) -> tuple[int, int]:
@@ -141,7 +124,7 @@ def _unreadable(data: bytes, rng: Rng) -> bytes:
     return b"\x00" + head[1:] + data[64:]  # whatever the draw, this is no gzip header
 
 
-def _saturation(pull: Pull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[Pull, Sensor]:
+def _saturation(pull: BreakawayPull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[BreakawayPull, Sensor]:
     """Use a cell that is too small; if all are large enough, let the rope jam, which raises F_A itself."""
     for cell in reversed(bench.cells):
         smaller = replace(sensor, cell=cell)
@@ -223,7 +206,7 @@ def _counts(sensor: Sensor, force_N: float) -> float:
     return force_N / sensor.cell.line.gain_N_V / sensor.adc.lsb_V
 
 
-def _push(time_s: FloatArray, pull: Pull, rng: Rng, *, lasting_s: tuple[float, float]) -> FloatArray:
+def _push(time_s: FloatArray, pull: BreakawayPull, rng: Rng, *, lasting_s: tuple[float, float]) -> FloatArray:
     """Catch the rope before the pull and let it go, at 0.1 to 0.95 of F_A, or hit the rig: half a sine of 6 to 30 ms."""
     # While the weights hang; before, the zero is taken.
     form, _ = touched(time_s - pull.hang_s, rng, pull.ramp_s - pull.hang_s, lasting_s)
@@ -231,7 +214,7 @@ def _push(time_s: FloatArray, pull: Pull, rng: Rng, *, lasting_s: tuple[float, f
     return np.asarray(rng.uniform(0.1, 0.95) * room_N * form)
 
 
-def _precursor(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
+def _precursor(time_s: FloatArray, pull: BreakawayPull, rng: Rng) -> FloatArray:
     """Let part of the rope slip by 2 to 12 % of F_A at 78 to 96 % of it; the climb makes good for it."""
     fine_s = np.linspace(pull.ramp_s, pull.breakaway_s, 2001)
     reached = pull.force_N(fine_s) >= rng.uniform(0.78, 0.96) * pull.lift_force_N
@@ -258,40 +241,32 @@ def _slow_fall(pull: BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (
     return replace(pull, snap=snap, teeth=teeth, roughness=rough)
 
 
-_PULL = ("breakaway",)
 FAULTS: Registry[Fault] = Registry(
     "fault",
     [
         Fault("spike", 0.07, on_samples=_spike),
         Fault("dropout", 0.03, on_samples=_dropout),
-        Fault("saturation", 0.01, Status.SATURATED, _PULL, on_setup=_saturation),
-        Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _PULL, _no_breakaway, ranges={"held": (0.5, 0.8)}),
-        Fault("no-peak", 0.01, Status.NO_PEAK, _PULL, _no_peak, ranges=NO_PEAK),
+        Fault("saturation", 0.01, Status.SATURATED, on_setup=_saturation),
+        Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _no_breakaway),
+        Fault("no-peak", 0.01, Status.NO_PEAK, _no_peak),
         Fault("too-short", 0.005, Status.TOO_SHORT, on_samples=_too_short),
-        Fault("high-tooth", 0.02, None, _PULL, _high_tooth, ranges={"teeth": "late"}),
-        Fault("drift", 0.02, None, _PULL, _drift, ranges={"wear": (0.1, 0.3)}),
+        Fault("high-tooth", 0.02, None, _high_tooth),
+        Fault("drift", 0.02, None, _drift),
         Fault("noisy", 0.01, on_setup=_noisy),
         Fault("clock-jitter", 0.01, on_samples=_clock_jitter),
         Fault("unreadable", 0.0025, Status.UNREADABLE, on_bytes=_unreadable),
         # Not in an ordinary campaign, unless they are asked for.
         Fault("hum", 0.0, on_setup=_hum),
-        Fault("zero-drift", 0.0, None, _PULL, on_setup=_zero_drift),
-        Fault("snag", 0.0, None, _PULL, on_force=partial(_push, lasting_s=SNAG_S)),
-        Fault("impact", 0.0, None, _PULL, on_force=partial(_push, lasting_s=IMPACT_S)),
-        Fault("precursor", 0.0, None, _PULL, on_force=_precursor),
-        Fault("rounded", 0.0, None, _PULL, _rounded, ranges=SLOW | {"fall_s": (0.04, 0.2)}),
-        Fault("slow-fall", 0.0, None, _PULL, _slow_fall, ranges=SLOW | {"fall_s": (0.2, 0.6)}),
+        Fault("zero-drift", 0.0, None, on_setup=_zero_drift),
+        Fault("snag", 0.0, None, on_force=partial(_push, lasting_s=SNAG_S)),
+        Fault("impact", 0.0, None, on_force=partial(_push, lasting_s=IMPACT_S)),
+        Fault("precursor", 0.0, None, on_force=_precursor),
+        Fault("rounded", 0.0, None, _rounded),
+        Fault("slow-fall", 0.0, None, _slow_fall),
     ],
 )
 """Every fault by name, with the fraction of recordings it befalls in an ordinary campaign."""
 ORDINARY = {fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
-
-
-def _drawn(bench: Bench, *given: Any, faults: Sequence[Fault], physics: str) -> SliderPull:
-    ranges = {key: value for fault in faults for key, value in fault.ranges.items()}
-    expected = (fault.expected_status for fault in faults if fault.ranges and fault.expected_status)
-    expects = next(expected, Status.OK)
-    return draw_slider_pull(bench, *given, physics=physics, ranges=ranges, expects=expects)
 
 
 def simulate_recording(
@@ -301,11 +276,9 @@ def simulate_recording(
     end_tension_N: float,
     rng: Rng,
     faults: Sequence[str] = (),
-    protocol: str = "breakaway",
-    physics: str = "coulomb",
     cell: str = "",
 ) -> SimulatedRecording:
-    """Return one recording with known truth, of friction that is `coulomb` or one of `PHYSICS`.
+    """Return one recording with known truth.
 
     The mechanics, the noise and the faults draw from generators of their own, so the same seed with and without
     a fault of the samples differs by that fault alone.
@@ -314,23 +287,18 @@ def simulate_recording(
         what = f"the end tension {end_tension_N:g} N must be positive and below the lift force {lift_force_N:g} N"
         fix = "give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N"
         raise InputError(what, key="end_tension_N", fix=fix)
-    way = benches.RIG_PROTOCOLS[protocol]
     chosen = [FAULTS[name] for name in faults]
-    for fault in chosen:
-        fault.check_protocol(protocol)
     draw_rng, fault_rng, noise_rng = (np.random.default_rng(seed) for seed in rng.integers(2**63, size=3))
-    measured_N = lift_force_N if way.measures_lift else end_tension_N
-    draw = way.draw if physics == "coulomb" else partial(_drawn, faults=chosen, physics=physics)
-    pull: Any = draw(bench, lift_force_N, end_tension_N, draw_rng)
+    pull = draw_breakaway(bench, lift_force_N, end_tension_N, draw_rng)
     counts = {"zero_counts": draw_rng.uniform(*bench.zero_counts)}  # in the order of the draws
     counts["drift_counts"] = bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0)
     counts["noise_counts"] = draw_rng.uniform(*bench.noise_counts)
-    used = bench.cell_named(cell) if cell else bench.cell_for(measured_N)
+    used = bench.cell_named(cell) if cell else bench.cell_for(lift_force_N)
     sensor = Sensor(cell=used, adc=bench.adc, hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi), **counts)
     for fault in chosen:
         if fault.on_setup:
             pull, sensor = fault.on_setup(pull, sensor, bench, fault_rng)
-        elif fault.on_pull and physics == "coulomb":
+        elif fault.on_pull:
             pull = fault.on_pull(pull, fault_rng)
     true_time_s = np.arange(math.floor(pull.end_s * bench.sampling_rate_Hz) + 1) / bench.sampling_rate_Hz
     true_force_N = pull.force_N(true_time_s)

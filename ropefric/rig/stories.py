@@ -13,7 +13,6 @@ from math import nan
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
-from ropefric.registry import Registry
 from ropefric.rig.sampling import (
     DAMAGED,
     Rng,
@@ -75,10 +74,13 @@ class _Story:
 
     def __init__(self, rng: Rng, climb_s: float) -> None:
         self.rng, self.climb_s = rng, climb_s
-        self._time_s, self._force, self._state = [np.zeros(1)], [np.zeros(1)], [np.zeros(1, int)]
+        self._keep(np.zeros(1), np.zeros(1), np.zeros(1, int))
         self.now_s = self.level = 0.0
         self.broke_s = nan
         self.peak = nan
+
+    def _keep(self, time_s: FloatArray, force: FloatArray, state: IntArray) -> None:
+        self._time_s, self._force, self._state = [time_s], [force], [state]
 
     def piece(self, state: State, lasting_s: float, shape: Shape) -> None:
         """Go on along a shape."""
@@ -114,8 +116,7 @@ class _Story:
 
     def begin_again(self, level: float) -> None:
         """Forget all that was, as a logger does that starts only now."""
-        self._time_s, self._force = [np.zeros(1)], [np.full(1, level)]
-        self._state = [np.full(1, int(State.SLIDING))]
+        self._keep(np.zeros(1), np.full(1, level), np.full(1, int(State.SLIDING)))
         self.now_s, self.level, self.broke_s, self.peak = 0.0, level, nan, nan
 
     def start_late(self, part: float) -> None:
@@ -123,21 +124,13 @@ class _Story:
         time_s, force, state = self.knots()
         first = int(np.argmax(force >= part))
         if first > 0 and not time_s[first] >= self.broke_s:
-            self._time_s, self._force, self._state = (
-                [time_s[first:] - time_s[first]],
-                [force[first:]],
-                [state[first:]],
-            )
+            self._keep(time_s[first:] - time_s[first], force[first:], state[first:])
             self.now_s, self.broke_s = self.now_s - time_s[first], self.broke_s - time_s[first]
 
     def stop_at(self, knot: int) -> None:
         """Forget what comes after a knot, as a logger does that stops there."""
         time_s, force, state = self.knots()
-        self._time_s, self._force, self._state = (
-            [time_s[: knot + 1]],
-            [force[: knot + 1]],
-            [state[: knot + 1]],
-        )
+        self._keep(time_s[: knot + 1], force[: knot + 1], state[: knot + 1])
         self.now_s, self.level, self.broke_s, self.peak = float(time_s[knot]), float(force[knot]), nan, nan
 
     def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -512,31 +505,22 @@ def _rests_on(story: _Story) -> Status:
     return Status.NO_BREAKAWAY
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """A kind of sequence: its frequency, and its parts; returns the visible truth of the break-away."""
-
-    name: str
-    share: float
-    tell: Callable[[_Story], Status]
-
-
-KINDS: Registry[Kind] = Registry("kind of drawn recording", [
-    Kind("slips", 0.59, _slips),
-    Kind("slips-under-weights", 0.03, _slips_under_weights),
-    Kind("held-then-slips", 0.06, _slips_after_a_hold),
-    Kind("no-peak", 0.08, _slides_without_a_peak),
-    Kind("held", 0.11, _is_held),
-    Kind("comes-off", 0.02, _comes_off),
-    Kind("climbing", 0.03, _still_climbs),
-    Kind("ends-early", 0.04, _ends_early),
-    Kind("late-start", 0.03, _slides_already),
-    Kind("idle", 0.01, _rests_on),
-])  # fmt: skip
-"""Stories of a rope, by name."""
+KINDS: dict[str, tuple[float, Callable[[_Story], Status]]] = {
+    "slips": (0.59, _slips),
+    "slips-under-weights": (0.03, _slips_under_weights),
+    "held-then-slips": (0.06, _slips_after_a_hold),
+    "no-peak": (0.08, _slides_without_a_peak),
+    "held": (0.11, _is_held),
+    "comes-off": (0.02, _comes_off),
+    "climbing": (0.03, _still_climbs),
+    "ends-early": (0.04, _ends_early),
+    "late-start": (0.03, _slides_already),
+    "idle": (0.01, _rests_on),
+}
+"""Stories of a rope by name: how often each is drawn, and what tells it and returns the visible truth."""
 
 
-def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
+def _told(rng: Rng, kind: str) -> tuple[_Story, Status]:
     """Return a whole sequence: the part before the pull, the pull, and the part after it."""
     story = _Story(rng, spread(rng, 0.04, 15.0))
     _rest(story)
@@ -544,20 +528,20 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         _hang_weights(story)
     for _ in range(int(rng.integers(1, 3)) if maybe(rng, 0.18) else 0):
         _disturb(story)
-    status = kind.tell(story)
+    status = KINDS[kind][1](story)
     slid = status in {Status.OK, Status.NO_PEAK}
     if slid and maybe(rng, 0.12):  # slides on, far longer than it was loaded
         story.rough(spread(rng, 20.0, 800.0) * story.climb_s, spread(rng, 1e-3, 0.04))
     if slid and maybe(rng, 0.2):
         _strokes(story)
-    if kind.name not in {"climbing", "ends-early", "idle"} and maybe(rng, 0.55):
+    if kind not in {"climbing", "ends-early", "idle"} and maybe(rng, 0.55):
         _let_down(story)
     if status is Status.OK and maybe(rng, 0.12) and story.level < 0.6:
         top = rng.uniform(0.7, 1.2)  # pulled again: lower, as high, or higher
         _climb(story, top, _Climb(1.0 / story.climb_s, 0.0, rng.choice((0.0, 0.2))))
         _fall(story, top * rng.uniform(0.5, 0.95), spread(rng, 1e-3, 0.3), State.SLIP)
         _let_down(story)
-    if kind.name != "ends-early" and maybe(rng, 0.1):  # somebody forgets to stop the logger
+    if kind != "ends-early" and maybe(rng, 0.1):  # somebody forgets to stop the logger
         story.stay(State.REST if story.level < 0.05 else State.HELD, story.climb_s * spread(rng, 2.0, 1000.0))
     if maybe(rng, 0.14):
         story.start_late(spread(rng, 0.02, 0.5))
@@ -581,8 +565,8 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
     ('ok', True)
     """
     while True:
-        shares = np.array([one.share for one in KINDS.values()])
-        chosen = KINDS[kind] if kind else list(KINDS.values())[int(rng.choice(len(shares), p=shares))]
+        shares = np.array([share for share, _ in KINDS.values()])
+        chosen = kind or list(KINDS)[int(rng.choice(len(shares), p=shares))]
         story, status = _told(rng, chosen)
         samples = sampled(rng, *story.knots()[:2], story.climb_s)
         if samples is None:
@@ -602,7 +586,7 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
             state, status, keep = spoilt, Status.DOUBTFUL, np.ones(spoilt.size, dtype=bool)
         seen = status is Status.OK
         return LabelledRecording(
-            kind=chosen.name, time_s=samples.time_s[keep], force_N=samples.force[keep] * scale_N, state=state[keep],
+            kind=chosen, time_s=samples.time_s[keep], force_N=samples.force[keep] * scale_N, state=state[keep],
             status=status, breakaway_s=broke_s if seen else nan, peak_N=story.peak * scale_N if seen else nan,
             zero_N=samples.zero * scale_N,
         )  # fmt: skip

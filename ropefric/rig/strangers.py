@@ -6,7 +6,7 @@ The truth comes from the noise-free force of the spring alone.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from ropefric.registry import Registry
 from ropefric.rig.dynamics import Motion, Slider, simulate, stops
 from ropefric.rig.pulls import NO_PEAK, SLOW, Truth, draw_numbers, draw_slider, truth_of
 from ropefric.traces.breakaway import Status
-from ropefric.traces.calibration import Adc, Calibration, ForceCell
+from ropefric.traces.calibration import Adc, Calibration, ForceCell, Saturation
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.trace import ForceTrace
 
@@ -33,8 +33,8 @@ class Take:
     truth: Truth
     time_s: FloatArray = field(default_factory=lambda: np.empty(0))
     force_N: FloatArray = field(default_factory=lambda: np.empty(0))
-    counts: FloatArray | None = None
     calibration: Calibration | None = None
+    saturation: Saturation | None = None
 
 
 def touched(
@@ -194,9 +194,9 @@ def _clipped_counts(take: Take) -> None:
     adc = Adc(bits=int(take.rng.choice((10, 12, 16))))
     cell = ForceCell(name="S", full_scale_N=_clip_at(take), zero_V=0.5)
     volts = cell.line.zero_V + take.force_N / cell.line.gain_N_V
-    take.counts = np.clip(np.rint((volts - adc.low_V) / adc.lsb_V), 0, adc.max_count)
+    counts = np.clip(np.rint((volts - adc.low_V) / adc.lsb_V), 0, adc.max_count)
     take.calibration = Calibration(cell=cell, adc=adc)
-    take.force_N = take.calibration.apply(take.counts.astype(np.int64))[0]
+    take.force_N, take.saturation = take.calibration.apply(counts.astype(np.int64))
 
 
 def _late(take: Take) -> None:
@@ -258,19 +258,14 @@ class Recording(NamedTuple):
     force_N: FloatArray
     truth: Truth
     loaded_s: float
-    counts: FloatArray | None = None
     calibration: Calibration | None = None
+    saturation: Saturation | None = None
 
     def trace(self) -> ForceTrace:
         """Return the recording as the picker gets it: clock mended, counts with their saturation."""
         keep, time_s, notes = mend_clock(self.time_s, [self.force_N], name=self.name)
-        trace = ForceTrace(time_s=time_s, force_N=self.force_N[keep], name=self.name, notes=notes)
-        if self.counts is None or self.calibration is None:
-            return trace
-        counts = self.counts.astype(np.int64)
-        force_N, saturation = self.calibration.apply(counts)
-        read: dict[str, Any] = {"counts": counts, "calibration": self.calibration, "saturation": saturation}
-        return replace(trace, force_N=force_N, **read)
+        read: dict[str, Any] = {"calibration": self.calibration, "saturation": self.saturation}
+        return ForceTrace(time_s=time_s, force_N=self.force_N[keep], name=self.name, notes=notes, **read)
 
 
 class Family(NamedTuple):
@@ -422,7 +417,7 @@ def _made(seed: int, jobs: list[tuple[Family, int]]) -> Iterator[Recording]:
                     name=f"{family.name}-{number:03d}", family=family.name, tier=family.tier, truth=take.truth,
                     time_s=frozen_array(take.time_s), force_N=frozen_array(take.force_N),
                     loaded_s=_loaded_s(slider, truth.time_s if truth.status is Status.OK else np.inf),
-                    counts=take.counts, calibration=take.calibration,
+                    calibration=take.calibration, saturation=take.saturation,
                 )  # fmt: skip
         if len(done) == len(jobs):
             break

@@ -125,10 +125,6 @@ class ForceCell:
         for key in missing:
             object.__setattr__(self, key, ASSUMED_LIMITS[key])
         object.__setattr__(self, "assumed", tuple(dict.fromkeys((*self.assumed, *missing))))
-        for key in ("name", "serial", "calibrated"):
-            text: Any = getattr(self, key)
-            if not isinstance(text, str):
-                raise _refused(f"{what}: {key} = {text!r} is not text", key)
         _require_floats(self, what)
         if self.full_scale_N <= 0:
             raise _refused(f"{what}: full scale {self.full_scale_N:g} N is not positive", "full_scale_N")
@@ -211,16 +207,6 @@ class Saturation:
 
     high_runs: IntArray
     low_runs: IntArray
-
-    @property
-    def high(self) -> bool:
-        """Return whether any sample is at the ceiling."""
-        return len(self.high_runs) > 0
-
-    @property
-    def low(self) -> bool:
-        """Return whether any sample is at the floor."""
-        return len(self.low_runs) > 0
 
     @property
     def n_high(self) -> int:

@@ -313,7 +313,7 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
     found = measured(prepared, settings, block, rests_of(prepared, whole))
     if settings.ending == "sliding":
         found = _with_its_zero_as_read(trace, prepared, found, settings)
-    if trace.saturation is not None and trace.saturation.high:
+    if trace.saturation is not None and trace.saturation.n_high:
         begin_s, stop_s = trace.time_s[trace.saturation.high_runs - [0, 1]].T
         near_s = reach * float(blocks.time_s[1] - blocks.time_s[0])
         if ((begin_s <= found.peak_time_s + near_s) & (stop_s >= found.peak_time_s - near_s)).any():

@@ -151,8 +151,8 @@ def _between_limits(stuck: IntArray, force_N: FloatArray, trace: ForceTrace) -> 
     """Return the stuck stretches that are not at a limit of the converter, which is another matter."""
     if trace.saturation is None or not len(stuck):
         return stuck
-    limits_N = np.array([np.nanmax(trace.force_N) if trace.saturation.high else np.inf,
-                         np.nanmin(trace.force_N) if trace.saturation.low else -np.inf])  # fmt: skip
+    limits_N = np.array([np.nanmax(trace.force_N) if trace.saturation.n_high else np.inf,
+                         np.nanmin(trace.force_N) if trace.saturation.low_runs.size else -np.inf])  # fmt: skip
     return stuck[~np.isin(force_N[stuck[:, 0]], limits_N)]
 
 

@@ -23,17 +23,3 @@ def test_unknown_names_are_answered_with_the_nearest(call, tmp_path):
     assert "did you mean 'coupled'?" in call("simulate", folder, "--law", "coupeld").err
     assert "did you mean 'mu_inf'?" in call("simulate", folder, "-p", "mu_imf=1").err
     assert not folder.exists()
-
-
-def test_other_physics_and_ways_of_measuring(call, tmp_path):
-    small = ("--conditions", "1", "--repeats", "1", "--seed", "3", "--json")
-    done = call("simulate", tmp_path / "a", "--physics", "rate-state", "--fault", "snag=0.5", *small).json()
-    assert (done["physics"], done["protocol"], done["faults"]) == ("rate-state", "breakaway", {"snag": 0.5})
-    held = call("simulate", tmp_path / "b", "--protocol", "held", *small).json()
-    assert "saturation" not in held["faults"]
-    assert 'name = "held"' in (tmp_path / "b/campaign.toml").read_text()
-    assert "plateaus_N" in (tmp_path / "b/truth.toml").read_text()
-    assert "known: coulomb, lugre, rate-state" in call("simulate", tmp_path / "c", "--physics", "newton").err
-    refused = call("simulate", tmp_path / "c", "--fault", "drift=1", "--protocol", "held")
-    assert "does not go with protocol" in refused.err
-    assert not (tmp_path / "c").exists()

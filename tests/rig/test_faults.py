@@ -5,10 +5,7 @@ import gzip
 import numpy as np
 import pytest
 from drawn import record
-from thinned import slow
 
-from ropefric.errors import InputError
-from ropefric.rig.bench import HELD_BENCH
 from ropefric.rig.recording import FAULTS
 from ropefric.traces.breakaway import Status
 
@@ -24,20 +21,16 @@ def phase(truth, name):
     return next(one for one in truth.phases if one.name == name)
 
 
-@pytest.mark.parametrize("physics", ["coulomb", slow("rate-state"), slow("lugre")])
-def test_the_truth_names_the_fault_and_its_status(physics):
+def test_the_truth_names_the_fault_and_its_status():
     for name, fault in FAULTS.items():
-        if physics == "coulomb" or fault.ranges:
-            truth = record(1, name, physics=physics).truth
-            assert (truth.faults, truth.status) == ((name,), fault.expected_status or Status.OK)
-            assert 0.0 <= fault.rate <= 0.1
+        truth = record(1, name).truth
+        assert (truth.faults, truth.status) == ((name,), fault.expected_status or Status.OK)
+        assert 0.0 <= fault.rate <= 0.1
 
 
-def test_faults_combine_the_worst_status_counts_and_what_does_not_go_together_is_refused():
+def test_faults_combine_and_the_worst_status_counts():
     assert record(0, "no-peak", "spike").truth.status is Status.NO_PEAK
     assert record(0, "no-peak", "too-short", "unreadable").truth.status is Status.UNREADABLE
-    with pytest.raises(InputError, match="'no-peak' does not go with protocol 'held'"):
-        record(0, "no-peak", lift_N=7.9, end_N=4.6, bench=HELD_BENCH, protocol="held")
 
 
 # --- of the samples ---
@@ -167,20 +160,19 @@ def test_high_teeth_and_drift_rise_above_the_first_peak_which_stays_the_truth():
         assert drift.truth.lift_force_N == LIFT_N
 
 
-@pytest.mark.parametrize("physics", ["coulomb", slow("rate-state"), slow("lugre")])
-def test_what_comes_before_the_peak_leaves_it_as_it_was(physics):
+def test_what_comes_before_the_peak_leaves_it_as_it_was():
     """A snag and an impact return to what was there before the pull; after a precursor the climb makes good for it."""
     for seed in range(3):
-        clean = record(seed, physics=physics)
+        clean = record(seed)
         for name, shortest_s, longest_s in (("snag", 0.03, 0.8), ("impact", 0.004, 0.03)):
-            spoilt = record(seed, name, physics=physics)
+            spoilt = record(seed, name)
             pushed = np.flatnonzero(spoilt.true_force_N - clean.true_force_N)
             begin_s, end_s = spoilt.true_time_s[pushed[[0, -1]]]
             assert shortest_s < end_s - begin_s < longest_s
             assert end_s < clean.truth.phases[1].end_s - 0.9  # before the motor starts
             assert spoilt.true_force_N[pushed].max() < 0.96 * clean.truth.lift_force_N
             assert spoilt.truth.breakaway_time_s == clean.truth.breakaway_time_s
-        spoilt = record(seed, "precursor", physics=physics)
+        spoilt = record(seed, "precursor")
         before = clean.true_time_s < clean.truth.breakaway_time_s
         lost = (clean.true_force_N - spoilt.true_force_N)[before] / clean.truth.lift_force_N
         assert 0.015 < lost.max() < 0.12
@@ -188,11 +180,10 @@ def test_what_comes_before_the_peak_leaves_it_as_it_was(physics):
         assert spoilt.true_force_N[before].max() == pytest.approx(clean.truth.lift_force_N, rel=3e-3)
 
 
-@pytest.mark.parametrize("physics", ["coulomb", slow("rate-state")])
-def test_slow_peaks_fall_slowly(physics):
+def test_slow_peaks_fall_slowly():
     for name, shortest_s, longest_s in (("rounded", 0.01, 0.25), ("slow-fall", 0.04, 0.7)):
         for seed in range(3):
-            one = record(seed, name, physics=physics)
+            one = record(seed, name)
             force_N = one.true_force_N[one.true_time_s >= one.truth.breakaway_time_s]
             level_N = force_N[: int(0.3 * force_N.size)].min()
             lasting_s = np.argmax(force_N < level_N + 0.1 * (force_N[0] - level_N)) / 3000.0

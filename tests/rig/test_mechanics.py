@@ -73,8 +73,8 @@ def test_bad_forces_and_names_are_refused():
     for lift, end in ((np.nan, 1.0), (np.inf, 1.0), (10.0, 0.0), (10.0, np.nan)):
         with pytest.raises(InputError):
             record(0, lift_N=lift, end_N=end)
-    for keys, words in (({"protocol": "break-away"}, "did you mean 'breakaway'"), ({"faults": ["spikes"]},
-        "did you mean 'spike'"), ({"cell": "K2"}, "unknown force cell 'K2'")):  # fmt: skip
+    for keys, words in (({"faults": ["spikes"]}, "did you mean 'spike'"),
+        ({"cell": "K2"}, "unknown force cell 'K2'")):  # fmt: skip
         with pytest.raises(UnknownNameError, match=words):
             record(0, *keys.pop("faults", ()), **keys)
     with pytest.raises(InputError, match="idle_s"):

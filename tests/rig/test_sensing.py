@@ -20,13 +20,11 @@ def test_calibration_undoes_the_sensor_to_half_a_count():
     assert np.abs(read_N - force_N).max() <= 0.5 * calibration.lsb_N * (1 + 1e-9)
 
 
-def test_zero_offset_drift_hum_gain_and_noise_are_what_they_say():
-    sensor = Sensor(
-        cell=K1, adc=Adc(), zero_counts=10.0, drift_counts=4.0, hum_counts=2.0, hum_Hz=50.0, gain_error=0.01
-    )
+def test_zero_offset_drift_hum_and_noise_are_what_they_say():
+    sensor = Sensor(cell=K1, adc=Adc(), zero_counts=10.0, drift_counts=4.0, hum_counts=2.0, hum_Hz=50.0)
     time_s = np.arange(30_001) / 3000.0
     counts = sensor.ideal_counts(np.full(time_s.size, 500.0), time_s)
-    assert counts.mean() == pytest.approx(511.5 * 1.01 + 10.0 + 2.0, abs=0.01)
+    assert counts.mean() == pytest.approx(511.5 + 10.0 + 2.0, abs=0.01)
     assert counts[-1] - counts[0] == pytest.approx(4.0, abs=1e-6)
     spectrum = np.abs(np.fft.rfft(counts - np.polyval(np.polyfit(time_s, counts, 1), time_s)))
     assert np.argmax(spectrum) / 10.0 == pytest.approx(50.0, abs=0.1)

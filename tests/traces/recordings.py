@@ -396,11 +396,9 @@ kind("few samples", every=25)(lambda p: p.line(fall_s=0.05))
 
 def _of_bench(fault, seed):
     """Return a recording of the bench as the picker gets it, at a third of its rate."""
-    changes = FAULTS.get(fault, FAULTS["hum"]).ranges
-    physics = ("coulomb", "coulomb", "rate-state", "lugre")[seed % 4] if changes else "coulomb"
     bench, rng = Bench(sampling_rate_Hz=1000.0), np.random.default_rng([seed, *fault.encode()])
     lift_N = float(np.exp(rng.uniform(*np.log((90.0, 900.0)))))
-    given = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.15, 0.4), "physics": physics}
+    given = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.15, 0.4)}
     made = simulate_recording(bench, **given, rng=rng, faults=(fault,) if fault else ())
     counts = np.where(np.isnan(made.counts), -1, made.counts).astype(np.int64)
     whole = Calibration(cell=bench.cell_named(made.truth.cell), adc=bench.adc)

@@ -18,19 +18,16 @@ def rigged_trace(
     lift_force_N=320.0,
     end_tension_N=80.0,
     faults=(),
-    protocol="breakaway",
     bench=Bench(),  # noqa: B008
 ):
     """Return a recording of known truth as a trace, and that truth."""
-    given = {"lift_N": lift_force_N, "end_N": end_tension_N, "bench": bench, "protocol": protocol}
+    given = {"lift_N": lift_force_N, "end_N": end_tension_N, "bench": bench}
     recording = record(seed, *faults, **given)
     counts = np.where(np.isnan(recording.counts), -1, recording.counts).astype(np.int64)
     calibration = Calibration(cell=bench.cell_named(recording.truth.cell), adc=bench.adc)
-    if counts.size >= MIN_SAMPLES and protocol != "held":
+    if counts.size >= MIN_SAMPLES:
         calibration, _ = calibration.with_tare(counts[recording.time_s <= IDLE_S])
     force_N, saturation = calibration.apply(counts)
-    if protocol == "held":
-        force_N = force_N - np.median(force_N[:10])
     keep, time_s, notes = mend_clock(recording.time_s, [force_N])
     trace = ForceTrace(
         time_s=time_s, force_N=force_N[keep], saturation=saturation, name=f"seed {seed}", notes=notes

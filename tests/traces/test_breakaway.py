@@ -48,7 +48,9 @@ def test_force_time_and_sliding_are_those_of_the_rig_whatever_went_wrong(seed):
     errors, kinetic_errors, doubted = [], [], []
     for fault in ("", "spike", "dropout", "high-tooth", "drift", "clock-jitter"):
         for condition in range(len(CONDITIONS)):
-            found, truth, _ = of_rig(fault, seed, condition)
+            found, truth, trace = of_rig(fault, seed, condition)
+            if fault in {"high-tooth", "drift"} and condition < 4:  # a bare maximum would read too much
+                assert np.nanmax(trace.force_N) > 1.01 * truth.lift_force_N
             if found.status is Status.DOUBTFUL:
                 doubted.append(found.candidates[0].force_N / truth.lift_force_N)
                 continue
@@ -78,14 +80,6 @@ def test_what_gives_no_force_gets_the_status_it_deserves(fault):
         assert not right(found, truth)
         assert fault != "saturation" or "ms at a time; the peak is at least" in found.detail
     assert len(doubted) <= 1
-
-
-def test_the_largest_force_would_have_been_wrong():
-    """The point of picking: with high teeth or drift a bare maximum reads some per cent too much."""
-    for fault in ("high-tooth", "drift"):
-        found, truth, trace = of_rig(fault, 2)
-        assert np.nanmax(trace.force_N) > 1.015 * truth.lift_force_N
-        assert found.peak_N == pytest.approx(truth.lift_force_N, rel=0.01)
 
 
 def test_phases_slips_fall_and_sliding_are_those_of_the_rig():
@@ -278,7 +272,7 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 # --- whatever is recorded ---
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.floats(0.05, 40.0), st.floats(-5.0, 5.0))
 def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
     """Force scaled, time shifted: the same peak, scaled, at the same place."""

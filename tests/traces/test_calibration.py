@@ -108,7 +108,7 @@ IMPOSSIBLE = [
     (Adc, {"low_V": 5.0}, "from 5 V to 5 V is empty"), (Adc, {"high_V": "5"}, "high_V = '5'"),
     (ForceCell, {"full_scale_N": 0}, "full scale 0 N is not positive"),
     (ForceCell, {"full_scale_N": float("nan")}, "full_scale_N = nan"),
-    (ForceCell, {"full_scale_N": 10**400}, "is not a finite number"), (ForceCell, {"name": 3}, "name = 3 is not text"),
+    (ForceCell, {"full_scale_N": 10**400}, "is not a finite number"),
     (ForceCell, {"zero_V": 5.0}, "5 V at full scale is not above 5 V"),
     (ForceCell, {"linearity": 0.2}, "0.0002 for 0.02 %FS"), (ForceCell, {"hysteresis": -0.1}, "hysteresis = -0.1"),
     *((ForceCell, {"points": points}, words) for points, words in (

@@ -130,7 +130,7 @@ def silent(made, seed, every=1):
             found = pick_breakaway(trace, PickSettings())[0]
             before_N, after_N = spoilt.force_N[spoilt.at - 1 : spoilt.at + 1]
             slips = spoilt.at <= top and 0.02 * np.ptp(spoilt.force_N) < after_N < before_N
-            count = counts[LIKE_A_SLIP if slips and not DAMAGES[name].is_exact else name]
+            count = counts[LIKE_A_SLIP if slips else name]
             count[0] += 1
             count[1] += found.status is Status.OK and abs(found.peak_N / peak_N - 1.0) > 0.02
     return counts
@@ -138,12 +138,12 @@ def silent(made, seed, every=1):
 
 @pytest.mark.parametrize(
     "counts",
-    [lambda: silent(of_bench(18), 21, every=3), slow(lambda: silent(of_strangers(21, 1), 21))],
+    [lambda: silent(of_bench(12), 21, every=3), slow(lambda: silent(of_strangers(21, 1), 21))],
     ids=["a few of the rig", "of the second rig"],
 )
 def test_few_damaged_recordings_give_a_wrong_force(counts):
-    learnt = {name: of for name, of in counts().items() if name not in DAMAGES or not DAMAGES[name].is_exact}
-    assert sum(one[1] for one in learnt.values()) <= 0.1 * sum(one[0] for one in learnt.values()), learnt
+    found = counts()
+    assert sum(one[1] for one in found.values()) <= 0.1 * sum(one[0] for one in found.values()), found
 
 
 ALLOWED = {LIKE_A_SLIP: 0.35, "tared-again": 0.05}
@@ -153,7 +153,7 @@ it let go and was pulled again from zero; a file tared on the climb looks like t
 
 @pytest.mark.release
 def test_of_two_thousand_damaged_recordings_no_kind_is_silently_wrong():
-    counts = [silent(of_strangers(seed, 4), seed) for seed in (31, 32)]
+    counts = [silent(of_strangers(seed, 5), seed) for seed in (31, 32)]
     whole = {name: np.sum([one[name] for one in counts], axis=0) for name in (*DAMAGES, LIKE_A_SLIP)}
     assert sum(n for n, _ in whole.values()) >= 2000, whole
     for name, (n, wrong) in whole.items():

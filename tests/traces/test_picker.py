@@ -66,6 +66,10 @@ def test_probabilities_add_up_and_hang_on_neither_unit_nor_clock():
     for times, over in ((1.0, 2.0**10), (2.0**-6, 1.0)):
         other = picker.look(times * TIME_S, over * force_N)
         np.testing.assert_allclose(other.place, seen.place, atol=1e-6)
+    found = decision.judge(prepare(ForceTrace(time_s=TIME_S, force_N=force_N), PickSettings()))
+    total = sum(one.probability for one in found.candidates) + sum(found.reasons.values())
+    assert total == pytest.approx(1.0, abs=0.06)  # rounded to two digits, and what is fainter left out
+    assert found.candidates[0].first_s < 3.0 < found.candidates[0].last_s + 0.01
 
 
 def test_every_sum_is_exact_whichever_way_it_is_added_up():
@@ -131,7 +135,7 @@ ODD = {
 def test_what_is_no_pull_at_all_is_hardly_ever_given_a_force():
     """A triangle that falls as fast as it rises may pass for a pull; the rules before gave a force to one in eight."""
     given = []
-    for name, seed in ((name, seed) for name in ODD for seed in range(6)):
+    for name, seed in ((name, seed) for name in ODD for seed in range(4)):
         rng = np.random.default_rng([seed, 3])
         part = np.linspace(0.0, 1.0, int(rng.integers(300, 8000)))
         force = ODD[name](part, rng.uniform)
@@ -151,12 +155,3 @@ def test_the_highest_mean_before_the_first_fall_is_what_it_says():
     assert first.peak_std_N == pytest.approx(0.1 / np.sqrt(5), rel=0.2)
     never = picked(line((0.0, 0.0), (6.0, 100.0)), PickSettings(picker="highest"))
     assert never.status is Status.NO_BREAKAWAY
-
-
-def test_candidates_and_reasons_are_probabilities_that_add_up():
-    prepared = prepare(ForceTrace(time_s=TIME_S, force_N=drawn(*PULL)), PickSettings())
-    found = decision.judge(prepared)
-    total = sum(one.probability for one in found.candidates) + sum(found.reasons.values())
-    assert total == pytest.approx(1.0, abs=0.06)  # rounded to two digits, and what is fainter left out
-    best = found.candidates[0]
-    assert best.first_s < 3.0 < best.last_s + 0.01

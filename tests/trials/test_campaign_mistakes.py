@@ -51,7 +51,7 @@ MISTAKES = {
     "constant and channel": ("[import.constants]", "[import.constants]\npressure = 1", "RF109", "import.constants", "a constant and a channel", "rename"),
     "formula": ('"pressure * area"', '"pressure *"', "RF109", "import.derived.load", "not a formula", "arithmetic"),
     "formula with unknown channel": ('"pressure * area"', '"presure * area"', "RF109", "import.derived.load", "'presure'", "did you mean 'pressure'?"),
-    "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "not offered", ""),
+    "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "more than arithmetic", ""),
     "empty part": ('until = "6 s"', 'until = "-1 s"', "RF111", "protocol.until", "from 0 s until -1 s is empty", ""),
     "yes for a number": ('"490.9 mm^2"', "true", "RF110", "import.constants.area", "got true", ""),
     "two rates": ('decimal = "."', 'decimal = "."\nsampling_rate = "2 kHz"', "RF111", "import.sampling_rate", "2000 Hz, but [sampling] rate is 3000 Hz", "remove one"),

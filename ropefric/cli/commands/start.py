@@ -24,9 +24,7 @@ with on_first_use():
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
-    from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
-    from ropefric.rig import recording
     from ropefric.scenes import keys as scene_keys
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
@@ -402,33 +400,27 @@ def simulate(
     conditions: int | None = Option(None, min=1, help="Only this many conditions, the first ones."),
     fault: Words = listed("NAME=RATE", "Only this fault, at this rate (0 to 1)"),
     no_faults: bool = flag("--no-faults", "Nothing goes wrong."),
-    physics: str = Option(
-        "coulomb", help="Friction of each recording: coulomb, or integrated: rate-state or lugre."
-    ),
-    protocol: str = Option("breakaway", help="Way of measuring: breakaway, stick-slip or held."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
-    Without options it writes data/prth-bench again, byte for byte. With --physics rate-state (rate-and-state friction)
-    or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
-    stiffness, mass and contact.
+    Without options it writes data/prth-bench again, byte for byte.
     """
     plan = rigs.prth_bench_plan()
-    changes = _of_protocol(plan, protocol) | _of_law(plan, law, parameter or ())
+    changes = _of_law(plan, law, parameter or ())
     if repeats is not None:
         changes["repeats"] = repeats
     if conditions is not None:
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
         changes["faults"] = options.parse_assignments(fault or (), option="--fault")
-    plan = replace(plan, physics=physics, protocol=rig_bench.RIG_PROTOCOLS[protocol].name, **changes)
+    plan = replace(plan, **changes)
     seed = rigs.PRTH_SEED if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
-    planned = ("physics", "protocol", "law", "parameters", "faults", "n_trials")
+    planned = ("law", "parameters", "faults", "n_trials")
     data = {"campaign": campaign, "bench": "prth-bench", "seed": seed, "n_conditions": len(plan.conditions)}
     data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
@@ -441,17 +433,6 @@ def _of_law(plan: "rigs.CampaignPlan", law: str, parameter: Iterable[str]) -> di
     if law and law != plan.law:
         return {"law": law, "parameters": given}
     return {"parameters": {**plan.parameters, **given}} if given else {}
-
-
-def _of_protocol(plan: "rigs.CampaignPlan", protocol: str) -> dict[str, Any]:
-    """Return what another way of measuring changes: of faults only those that befall it stay.
-
-    A hand-held scale is another bench.
-    """
-    if protocol == plan.protocol:
-        return {}
-    kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
-    return {"bench": rig_bench.HELD_BENCH if protocol == "held" else plan.bench, "faults": kept}
 
 
 @command("ropefric check-plugin my_law.py", order=200)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import as_counts
-from ropefric.traces.formulas import FUNCTIONS, evaluate_derived
+from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.signals import si_scale
 
@@ -124,27 +124,22 @@ def test_a_derived_force_is_computed_in_si():
 CHANNELS = {"a": np.array([1.0, 4.0, np.nan]), "b": np.array([2.0, -2.0, 1.0])}
 
 
-def test_formulas_see_functions_and_earlier_results():
-    found = evaluate_derived(
-        {"c": "sqrt(a) + pi * 0", "d": "where(b > 0, c, -c)", "b": "abs(b)"}, CHANNELS, {}
-    )
-    np.testing.assert_allclose(found["d"], [1, -2, np.nan])
-    np.testing.assert_array_equal(found["b"], [2, 2, 1])
+def test_formulas_see_earlier_results():
+    found = evaluate_derived({"c": "-a ** 2 + k", "d": "c / b", "b": "2 * b"}, CHANNELS, {"k": 1.0})
+    np.testing.assert_allclose(found["d"], [0, 7.5, np.nan])
+    np.testing.assert_array_equal(found["b"], [4, -4, 2])
     assert CHANNELS["b"][1] == -2.0
-    assert "minimum" in FUNCTIONS
 
 
 def test_formulas_can_do_no_more_than_arithmetic():
     for formula, words in (
-        ("aa + 1", "unknown name 'aa'"), ("sqrt(b)", "gives nan at sample 2"), ("b / 0", "gives inf"),
-        ("a.__class__", "Attribute"), ("__import__('os')", "calls '__import__'"), ("open('x')", "calls 'open'"),
-        ("a[0]", "Subscript"), ("[x for x in a]", "ListComp"), ("lambda: a", "Lambda"), ("a if b else a", "IfExp"),
-        ("(a := b)", "NamedExpr"), ("'x'", "no number"), ("a +", "not a formula"), ("", "not a formula"),
-        ("x = a", "not a formula"), ("2 + 3", "uses no channel"), ("mean(b)", "gives shape"), ("1j * b", "no number"),
-        ("9**9**9**9 * b", "fails"), ("9" * 400 + " * b", "too large"),
-        ("b << 2", "LShift"), ("(" * 300 + "b", "not a"),
-        ("a and b", "BoolOp"), ("sqr(b)", "calls 'sqr'"), ("b\n+a; b", "not a formula"), ("sqrt()", "fails"),
-        ("hypot(b, c=a)", "keyword"), ("b @ b", "MatMult"), ("b + " * 400 + "b", "longer than"),
+        ("aa + 1", "unknown name 'aa'"), ("b ** 0.5", "gives nan at sample 2"), ("b / 0", "gives inf"),
+        ("a.__class__", "Attribute"), ("__import__('os')", "Call"), ("a[0]", "Subscript"), ("a > b", "Compare"),
+        ("'x' * b", "Constant"), ("a +", "not a formula"), ("", "not a formula"), ("x = a", "not a formula"),
+        ("2 + 3", "uses no channel"), ("1j * b", "Constant"), ("True * b", "Constant"), ("9**9**9**9 * b", "gives inf"),
+        ("9" * 390 + " * b", "not a formula"), ("b << 2", "BinOp"), ("(" * 300 + "b", "not a"), ("~b", "UnaryOp"),
+        ("b / (1 / 0)", "gives inf in '1 / 0'"), ("b / 9**9**9**9", "gives inf in"),
+        ("b\n+a; b", "not a formula"), ("b + " * 400 + "b", "longer than"),
     ):  # fmt: skip
         with pytest.raises(DataError) as caught:
             evaluate_derived({"force": formula}, CHANNELS, {}, path="run.csv")
@@ -159,7 +154,7 @@ def test_a_constant_may_not_hide_a_channel():
 
 
 @settings(deadline=None, max_examples=50)
-@given(st.text(alphabet="ab01.+-*/() ,sqrtexp<>=[]'_", max_size=25))
+@given(st.text(alphabet="ab01.+-*/() ,<=[]'_", max_size=25))
 def test_any_formula_gives_a_force_or_a_refusal(formula):
     try:
         found = evaluate_derived({"force": formula}, CHANNELS, {})

@@ -64,6 +64,11 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
+    # Its time grows with the square of the parts of a key.
+    if endless := _ENDLESS.search(_TEXT.sub(lambda found: "q" + "\n" * found[0].count("\n"), text)):
+        line = text.count("\n", 0, endless.start()) + 1
+        fix = "write tables, each under a heading of its own"
+        raise DataError("a key has more than 32 parts", path=name, line=line, fix=fix)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -120,6 +125,7 @@ KEY = re.compile(rf"[ \t]*+({_NAMES})[ \t]*+=")
 # Long texts; strings and comments beside them, so that no mark within one is taken for the begin of another.
 _LONG = r"'''(?:(?!''').)*+'''(?:'{0,2})|" + r'"""(?:\\.|(?!""")[^\\])*+"""(?:"{0,2})'
 _TEXT = re.compile(rf"""({_LONG})|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+'|\#[^\n]*+""", re.DOTALL)
+_ENDLESS = re.compile(r"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){32}")
 
 
 def names_of(key: str) -> tuple[str, ...]:

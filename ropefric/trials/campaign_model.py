@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -149,6 +149,8 @@ class Smoothing(StrictTable):
     """`[smoothing]`: the window [s], 0 for none, None for one that is found for each recording."""
 
     window_s: Annotated[float | None, PlainValidator(_window_s)] = Field(default=None, alias="window")
+    # The one way that is left; templates wrote it out.
+    peak: Annotated[str, PlainValidator(read.choice(lambda: ("smoothed",)))] = "smoothed"
 
     @property
     def mode(self) -> str:
@@ -167,6 +169,9 @@ class DesignWheel(StrictTable):
 class ReportWords(StrictTable):
     """`[report]`: text for the first page of a report; all keys are optional."""
 
+    gone: ClassVar[Mapping[str, str]] = {
+        "language": "leave it out: reports have decimal points; decimal commas in lists and recordings are still read"
+    }
     lab: Text = ""
     customer: Text = ""
     operator: Text = ""

@@ -161,7 +161,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     resolved = load_campaign(bench.path).resolved()
     text = json.dumps(resolved, allow_nan=False)
     assert str(tmp_path) not in text
-    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01}
+    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
     assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 
 

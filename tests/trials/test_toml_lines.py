@@ -64,13 +64,22 @@ def test_any_text_has_lines_within_it(text):
     assert all(1 <= line <= text.count("\n") + 1 for line in toml_lines(text).values())
 
 
-@pytest.mark.parametrize(("text", "words"), [("a = " + "[" * 3000 + "]" * 3000, "nested too deeply"),
+@pytest.mark.parametrize(("text", "words"), [("x = 1\na" + ".a" * 20_000 + " = 1",
+    ":2: a key has more than 32 parts"), ("[" + "a." * 20_000 + "b]", ":1: a key has more than 32 parts"),
+    ("a = { b" + " . b" * 20_000 + " = 1 }", ":1: a key has more than 32 parts"),
+    ("a = " + "[" * 3000 + "]" * 3000, "nested too deeply"),
     ("a = " + "{a=" * 3000 + "1" + "}" * 3000, "nested too deeply"),
     ("a = " + "9" * 5000, "number or date that cannot be read"),
     ("a = [" + "1," * 600_000 + "]", "more than 1000000 are not read")],
-    ids=["arrays", "tables", "number", "size"])  # fmt: skip
+    ids=["dotted key", "table", "inline", "arrays", "tables", "number", "size"])  # fmt: skip
 def test_what_would_take_for_ever_is_refused_before(tmp_path, text, words):
     path = tmp_path / "a.toml"
     path.write_text(text)
     with pytest.raises(DataError, match=words):
         read_toml(path)
+
+
+def test_text_with_dots_is_no_long_key(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(f'a = "{"x." * 100}"\nb = [{"1.5," * 100}]\n# {"c." * 100}\n')
+    assert len(read_toml(path).data["b"]) == 100

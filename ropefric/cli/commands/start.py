@@ -123,7 +123,6 @@ def inspect(
     write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
     profile_file: Path | None = option("PATH", "Try the [import] section of this TOML file.", "--profile"),
-    everything: bool = flag("--all", "Read a large text whole, not only its first megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
     time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:
@@ -142,7 +141,7 @@ def inspect(
     known = campaigns.load_about(profile_file).profile if profile_file else ImportProfile()
     if file_format != "auto":
         known = replace(known, format=file_format)
-    look = partial(_inspect, file, known, everything)
+    look = partial(_inspect, file, known)
     ((_, found),) = workers.guarded(look, 1, limits=limits)
     if isinstance(found, workers.Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
@@ -153,10 +152,10 @@ def inspect(
     return Answer(found.to_dict(), _sections(found, profile))
 
 
-def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
+def _inspect(file: Path, profile: "ImportProfile", _: int) -> "Inspection":
     from ropefric.traces.readers.inspection import inspect_file  # noqa: PLC0415
 
-    return inspect_file(file, profile, everything=everything)
+    return inspect_file(file, profile)
 
 
 def _fix_of_folder(folder: Path) -> str:
@@ -210,10 +209,7 @@ def _first_rows(found: "Inspection") -> tuple["section.Section", int]:
 
 
 def _headline(found: "Inspection") -> str:
-    rows = f"{found.n_rows} rows"
-    if found.n_rows_about:
-        rows = f"at least {found.n_rows} rows, perhaps {found.n_rows_about:.2g}"
-    facts = [found.format, rows]
+    facts = [found.format, f"{found.n_rows} rows"]
     if found.samples:
         names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
         where = " side by side" if found.format == "wide" else ""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import accumulate, chain, islice
+from itertools import chain, islice
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import WHOLE_BYTES, Source, split_line
+from ropefric.files.text import Source, split_line
 from ropefric.glossary import counted
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
@@ -26,8 +26,6 @@ from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
-PART_BYTES = 2**20
-"""Of a text of more than `WHOLE_BYTES`, this much of the beginning is looked at."""
 MIN_RUN = 3
 """Samples in a row at a converter's limit that make a hint."""
 
@@ -68,7 +66,6 @@ class Inspection:
     data_row: int = 0
     columns: tuple[ColumnSummary, ...] = ()
     n_rows: int = 0
-    n_rows_about: int = 0
     samples: tuple[str, ...] = ()
     sampling_rate_Hz: float | None = None
     is_uniform: bool = False
@@ -92,11 +89,7 @@ class Inspection:
 
 
 def inspect_file(
-    path: str | PurePath,
-    profile: ImportProfile | None = None,
-    *,
-    shown_as: str = "",
-    everything: bool = False,
+    path: str | PurePath, profile: ImportProfile | None = None, *, shown_as: str = ""
 ) -> Inspection:
     r"""Return what can be found out about a recording file, and the profile that would read it."""
     shown, known = shown_as or str(path), profile or ImportProfile()
@@ -107,19 +100,9 @@ def inspect_file(
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _tried(_summarise(found, reader.tables(source, known)), source)
-        sizes = accumulate(map(len, source.unpacked())) if source.is_packed else (source.file.size,)
-        is_small = everything or all(size <= WHOLE_BYTES for size in sizes)
-        return _inspect_text(source, known) if is_small else _inspect_beginning(source, known)
+        return _inspect_text(source, known)
 
     return use_file(path, look, shown=shown)
-
-
-def _inspect_beginning(source: Source, profile: ImportProfile) -> Inspection:
-    """Return the findings from the beginning of a large text."""
-    found = _inspect_text(replace(source, most_bytes=PART_BYTES), profile)
-    n_about = found.n_rows if source.is_packed else round(found.n_rows * source.file.size / PART_BYTES)
-    doubt = "only the first megabyte was read: there are more rows, and ranges may be wider; --all reads everything"
-    return replace(found, n_rows_about=n_about, doubts=(*found.doubts, doubt))
 
 
 def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
@@ -178,9 +161,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
 
 
 def _tried(found: Inspection, source: Source) -> Inspection:
-    """Return an inspection with what its own profile reads of the file, or what stops it; not tried on a part of one."""
-    if source.most_bytes:
-        return found
+    """Return an inspection with what its own profile reads of the file, or what stops it."""
     profile, signals = as_signals(found.profile)
     try:
         raws = find_reader(source.path, profile, source).read(source, profile)

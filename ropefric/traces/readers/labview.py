@@ -157,7 +157,6 @@ def _recordings(blocks: Sequence[tuple[Table, _Tags]], notes: list[str]) -> tupl
         began_s, _ = read_stamps(
             enumerate(began),
             order="ymd",
-            zone="",
             no_value=(),
             refuse=lambda _, why, fix: DataError(why, fix=fix),
         )

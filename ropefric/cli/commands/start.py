@@ -189,7 +189,7 @@ def _columns(found: "Inspection") -> "section.Section":
     """Return a row for each column of the file, without fields that are empty for all."""
     table = [
         ("no.", "column ", "unit ", "from", "to", "missing", "holds "),
-        *(_column_row(found, column) for column in found.columns),
+        *map(_column_row, found.columns),
     ]
     filled = [place for place, (_, *cells) in enumerate(zip(*table, strict=True)) if any(cells)]
     headings, *rows = ([row[place] for place in filled] for row in table)
@@ -226,10 +226,8 @@ def _headline(found: "Inspection") -> str:
     return f"{found.file}: {', '.join(facts)}"
 
 
-def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]:
+def _column_row(column: "ColumnSummary") -> tuple[str, ...]:
     holds = "whole numbers" if column.is_integer else "numbers" if column.is_numeric else "text"
-    if column.name in found.saturation:
-        holds += ", at a converter's limit"
     limits = (
         "" if limit is None else section.plain(limit, ".6g") for limit in (column.minimum, column.maximum)
     )

@@ -16,7 +16,6 @@ from ropefric.glossary import counted
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.clock import mean_step_s, mend_clock
-from ropefric.traces.noise import runs_of
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
@@ -26,10 +25,7 @@ from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
-MIN_RUN = 3
-"""Samples in a row at a converter's limit that make a hint."""
 
-_FULL_SCALES = {2**bits - 1: bits for bits in (8, 10, 12, 14, 16, 18, 20, 24)}
 _UNIFORM = 0.05
 _TOP = 2.0**32 - 1.0
 _AS_COUNTS = Calibration(
@@ -69,7 +65,6 @@ class Inspection:
     samples: tuple[str, ...] = ()
     sampling_rate_Hz: float | None = None
     is_uniform: bool = False
-    saturation: tuple[str, ...] = ()
     first_rows: tuple[tuple[str, ...], ...] = ()
     profile: ImportProfile = field(default_factory=ImportProfile)
     notes: tuple[str, ...] = ()
@@ -80,7 +75,7 @@ class Inspection:
     def to_dict(self) -> dict[str, Any]:
         r"""Return the inspection for JSON, the profile as its TOML text."""
         result = {name: getattr(self, name) for name in self.__slots__ if name not in ("profile", "columns")}
-        for name in ("samples", "saturation", "first_rows", "notes", "doubts"):
+        for name in ("samples", "first_rows", "notes", "doubts"):
             result[name] = list(result[name])
         result["first_rows"] = [list(row) for row in self.first_rows]
         result["columns"] = [asdict(column) for column in self.columns]
@@ -214,7 +209,6 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
     doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
-    hints = chain.from_iterable(map(_at_limits, columns, values))
     return replace(
         found,
         columns=columns,
@@ -222,7 +216,6 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
         samples=samples,
         sampling_rate_Hz=rate_Hz or guess.rate_Hz,
         is_uniform=is_uniform or bool(guess.rate_Hz),
-        saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
         doubts=(*doubts, several) if samples else doubts,
@@ -291,19 +284,3 @@ def _clock_s(table: Table, channels: Mapping[str, Channel]) -> FloatArray | None
     chosen = [index for channel in channels.values() if (index := index_of(table, channel)) is not None]
     clocks = (table.clock(index) for index in (*chosen, *range(len(table.names))))
     return next((time_s for time_s in clocks if time_s is not None), None)
-
-
-def _at_limits(column: ColumnSummary, array: FloatArray | None) -> list[str]:
-    """Return a hint where whole numbers stay at a converter's full scale or at zero."""
-    if array is None or not column.is_integer or column.minimum is None or column.minimum < 0:
-        return []
-    label, top = column.name or f"column {column.number}", int(column.maximum or 0)
-    if top not in _FULL_SCALES:
-        return []
-    limits = {top: f"the ceiling of {_FULL_SCALES[top]} bits", 0: "the floor"}
-    runs = {limit: int(np.diff(runs_of(array == limit)).max(initial=0)) for limit in limits}
-    return [
-        f"{label} sits at {limit}, {what}, for {runs[limit]} samples in a row"
-        for limit, what in limits.items()
-        if runs[limit] >= MIN_RUN
-    ]

@@ -43,7 +43,6 @@ def tops(traces):
         ("excel-values-sheet-last/testxpert_three_sheets.xlsx", [120], 1, 10, "Values Specimen 1"),
         ("linescale/ls3_native.csv", [1200], 1, 40, "40 Hz"),
         ("note-beside-header/note.csv", [120], 1, 10, "Load"),
-        ("quoted-thousands/pull.csv", [1200], 1, 100, "Load"),
         ("side-by-side-unequal/pasco_runs.csv", PEAKS, 3, 100, "3 recordings"),
         ("side-by-side-unequal/vernier_runs.csv", PEAKS, 3, 100, "3 recordings"),
         ("unit-spellings/mark10.csv", [120], 1, 100, "Load [lbF]"),

@@ -52,6 +52,8 @@ _UNIT = re.compile(
     rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
 )
 _BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
+_WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
+_WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
 _N_SAMPLE = 20
@@ -161,6 +163,12 @@ def is_unit(cell: str) -> bool:
     return unit in SUFFIX_UNITS or all(_UNIT.fullmatch(factor) for factor in factors)
 
 
+def unit_behind(cell: str) -> str:
+    """Return the unit behind the number of a cell, "" where there is none."""
+    found = _WITH_UNIT.fullmatch(cell)
+    return found[1] if found and is_unit(found[1]) else ""
+
+
 def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:
     """Return the layout of a text table that is said to have at least `last_column` columns."""
     _check(layout)
@@ -169,9 +177,7 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
     separator = layout.separator or _find_separator(lines, skip, layout, text.source, last_column)
     rows = _find_rows(lines, separator, layout, text.source)
     first_row = split_line(lines[rows.data_row - 1], separator)
-    # numpy.savetxt, gnuplot and Matlab put the header into a comment.
-    heads = (lines[row - 1].lstrip("#%").lstrip(" ") if row else "" for row in rows[:2])
-    header, units = (tuple(split_line(head, separator)) if head else () for head in heads)
+    header, units = (_words(lines[row - 1], separator, len(first_row)) if row else () for row in rows[:2])
     return Dialect(
         separator=separator,
         decimal=_find_decimal(lines, rows.data_row, separator, layout, text.source),
@@ -182,6 +188,18 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         layout=layout,
         facts=facts_of(lines[: max(rows.data_row - 1, 0)], separator),
     )
+
+
+def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
+    """Return the cells of a header; names of several words are separated by two blanks or end with a unit in brackets.
+
+    numpy.savetxt, gnuplot and Matlab put the header into a comment.
+    """
+    line = line.lstrip("#%").lstrip(" ")
+    ways = [split_line(line, separator)]
+    if separator == " ":
+        ways += [_WIDE_BLANK.split(line.rstrip()), split_line(_BEFORE_BRACKET.sub("", line), separator)]
+    return tuple(next((cells for cells in ways if len(cells) == n_cells), ways[0]))
 
 
 def _check(layout: TableLayout) -> None:

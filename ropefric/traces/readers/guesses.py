@@ -24,6 +24,8 @@ _MOST_LABELS, _FEWEST_ROWS = 64, 10
 _SEEN_BYTES = 2 * 2**20
 """Several recordings are looked for in this much of a text."""
 _LONGEST_S = 4 * 3600.0
+_EVEN = 0.1
+"""How far the steps of a time of any name may be from their median [-]."""
 _SET_VALUES = re.compile(r"(?:^|[\s_./])(?:set|goal|target|soll|nominal|preload|vorlast|command|cmd|limit)")
 """Words of values that a machine is set to, beside those that it measures."""
 
@@ -205,7 +207,7 @@ _REASONS = (
     "is in a unit of time",
     "holds time stamps, though some stand again",
     "is called so",
-    "has no name and only rises",
+    "only rises",
 )
 
 
@@ -223,8 +225,16 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
         return 1 if is_named else 2
     if is_named:
         return 4
-    is_counter = (present == np.floor(present)).all() and np.ptp(np.diff(present)) == 0.0
-    return None if is_counter or table.facts.rate_Hz or table.names[index].strip() else 5
+    # Where the head states the rate, what rises may be a path.
+    return 5 if not table.facts.rate_Hz and _may_be_time(present, table.names[index].strip()) else None
+
+
+def _may_be_time(rising: FloatArray, name: str) -> bool:
+    """Return whether a rising column may be the time: it counts no rows, and rises evenly where it has another name."""
+    steps = np.diff(rising)
+    is_counter = (rising == np.floor(rising)).all() and steps.min() == steps.max()
+    is_even = (np.abs(steps - np.median(steps)) <= _EVEN * np.median(steps)).all()
+    return not is_counter and bool(is_even or not name)
 
 
 def _side(name: str) -> str:

@@ -15,7 +15,7 @@ from ropefric.arrays import FloatArray, frozen_array, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
-from ropefric.files.text_table import THOUSANDS, Dialect, bare_unit, is_number, read_stamps
+from ropefric.files.text_table import THOUSANDS, Dialect, bare_unit, is_number, read_stamps, unit_behind
 from ropefric.quantities import is_unit_of, same_unit, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
@@ -282,8 +282,10 @@ def bad_cell(
     elif _GROUPS.fullmatch(cell):
         mark = next(mark for mark in THOUSANDS if mark in cell)
         why, fix = f"{why}; it looks like a thousands separator", f'[import] thousands = "{mark}"'
+    elif unit := unit_behind(cell):
+        why, fix = f"{why}; it is in {unit}", "write numbers alone, and the unit into the header"
     else:
-        fix = "write a number alone (its unit stands in the header), or list the text in [import] missing"
+        fix = "mend or remove the cell, or list its text in [import] missing"
         if is_first:
             return WordError(why, code="RF102", path=source.shown, line=line, key=name, fix=fix)
     return source.error(why, code="RF102", line=line, key=name, fix=fix)

@@ -17,6 +17,7 @@ FILES = {
                                 lambda i, t, f: f"03/07/2024,14:02:0{t:.0f},{t:.2f},{f / LBF_N:.4f},18.10,-0.10", "lbf"),
     "path-beside-a-rate.csv": ("Unit,N\nRecording Rate,100Hz\n\nNo,Force,Displacement\n",
                                lambda i, t, f: f"{i},{f:.3f},{0.3 * t:.3f}", "N"),
+    "blanks-in-names.dat": ("%   t [s]      F [kN]\n", lambda i, t, f: f"{t:9.3e}  {f / 1000:12.5e}", ""),
     "axes.csv": ("t/s;F/kN\n", lambda i, t, f: f"{t:.2f};{f / 1000:.7f}", ""),
     "in-words.csv": ("Zeit in s;Kraft in N\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),
     "only-units.csv": ("Seconds;Newton\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),

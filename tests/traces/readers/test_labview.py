@@ -103,18 +103,22 @@ def test_the_only_x_column_is_not_lent_to_channels_with_other_steps(write):
     assert "no time channel" in str(refused(write(text, "run.lvm")))
 
 
-def blocks(*starts, columns="No"):
-    rows = [[["", f"{k}"], ["", f"{k}.5"]] for k in range(1, len(starts) + 1)]
-    if columns == "One":
-        rows = [[["0", a[1]], ["0.01", b[1]]] for a, b in rows]
-    names = ["X_Value", "Force", "Comment"]
-    parts = (block(names, some, time=f"10:00:{start}") for some, start in zip(rows, starts, strict=True))
-    return general(columns=columns) + "".join(parts)
+def test_blocks_with_one_x_column_go_on_by_their_dates(write):
+    rows = [["0", "1"], ["0.01", "1.5"]]
+    parts = (block(["X_Value", "Force", "Comment"], rows, time=f"10:00:{start}") for start in ("00", "00.02"))
+    (trace,) = read(write(general(columns="One") + "".join(parts), "run.lvm"))
+    np.testing.assert_allclose(trace.time_s, [0.0, 0.01, 0.02, 0.03], atol=1e-12)
+    assert trace.force_N.tolist() == [1, 1.5, 1, 1.5]
 
 
-@pytest.mark.parametrize("columns", ["No", "One"])
-def test_blocks_that_go_on_are_one_recording(write, columns):
-    (trace,) = read(write(blocks("00.00", "00.02", "00.04", columns=columns), "run.lvm"))
+def blocks(*starts):
+    parts = (block(["X_Value", "Force", "Comment"], [["", f"{k}"], ["", f"{k}.5"]], time=f"10:00:{start}")
+        for k, start in enumerate(starts, start=1))  # fmt: skip
+    return general() + "".join(parts)
+
+
+def test_blocks_that_go_on_are_one_recording(write):
+    (trace,) = read(write(blocks("00.00", "00.02", "00.04"), "run.lvm"))
     assert trace.force_N.tolist() == [1, 1.5, 2, 2.5, 3, 3.5]
     np.testing.assert_allclose(trace.time_s, np.arange(6) / 100, atol=1e-12)
     assert "by their times the blocks make 1 recording" in trace.notes

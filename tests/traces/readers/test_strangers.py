@@ -127,8 +127,12 @@ def test_a_strain_that_rises_is_no_time(write):
     found = inspect_file(write("strain,Load (N)\n" + rows))
     assert found.profile.channels.keys() == {"force"}
     assert any("no column looks like the time" in doubt for doubt in found.doubts)
-    nameless = inspect_file(write(rows)).profile.channels["time"]
-    assert nameless == Channel(column=1, unit="s")
+    assert inspect_file(write(rows)).profile.channels["time"] == Channel(
+        column=1, unit="s"
+    )  # nothing names it
+    assert (
+        inspect_file(write("Время,Load (N)\n" + pull("{t},{f}"))).profile.channels["time"].column == "Время"
+    )
 
 
 def test_the_indices_that_pytables_writes_are_no_recordings(tmp_path):

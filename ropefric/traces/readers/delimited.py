@@ -90,15 +90,20 @@ def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ..
 
 
 def text_table(
-    text: Text, dialect: Dialect, names: tuple[str, ...] = (), *, few: Sequence[int] = ()
+    text: Text, dialect: Dialect, names: tuple[str, ...] = (), *, expected: str = "", block_columns: int = 0
 ) -> Table:
-    """Return the one table of a text; its columns are called as its header says, where no names are given.
-
-    A row may have as `few` cells.
-    """
+    """Return the one table of a text; its columns are called as its header says, where no names are given."""
+    n_optional = 0
     if not names:
-        names, few = _column_names(text, dialect)
-    n_rows, is_gapless = _check_rows(text, dialect, max(dialect.n_cells, len(names)), few)
+        names, expected, n_optional = _column_names(text, dialect)
+    n_rows, is_gapless = _check_rows(
+        text,
+        dialect,
+        max(dialect.n_cells, len(names)),
+        expected=expected,
+        block_columns=block_columns,
+        n_optional=n_optional,
+    )
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
@@ -123,8 +128,8 @@ def text_table(
     )
 
 
-def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], Sequence[int]]:
-    """Return the names of the data's columns, and as how few cells a row may have.
+def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, int]:
+    """Return the names of the data's columns, where their number comes from, and how many a row may lack.
 
     A header without its trailing separators may be shorter than the rows only if the surplus cells are empty
     throughout (trailing separators). The last column may be LabVIEW's `Comment`, which few rows have.
@@ -132,14 +137,16 @@ def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], Sequen
     n_cells, names = dialect.n_cells, list(dialect.header)
     while names and not names[-1]:
         names.pop()
+    in_data = f"line {dialect.rows.data_row} has {n_cells}"
     if not names:
-        return ("",) * n_cells, ()
+        return ("",) * n_cells, in_data, 0
+    expected = f"the header (line {dialect.rows.header_row}) names {len(names)} columns"
     surplus = n_cells - len(names)
     if names[-1].lower() == "comment" and surplus in (-1, 0):
-        return tuple(names), [len(names) - 1]
+        return tuple(names), expected, 1
     if surplus < 0 or (surplus > 0 and not ends_empty(text, dialect, surplus)):
-        _check_rows(text, dialect, len(names))
-    return (*names, *[""] * surplus), ()
+        _check_rows(text, dialect, len(names), expected=expected)
+    return (*names, *[""] * surplus), in_data if surplus > 0 else expected, 0
 
 
 def ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
@@ -148,15 +155,25 @@ def ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
     return not any(any(row[dialect.n_cells - surplus :]) for _, row in rows)
 
 
-def _check_rows(text: Text, dialect: Dialect, n_cells: int, few: Sequence[int] = ()) -> tuple[int, bool]:
+def _check_rows(
+    text: Text,
+    dialect: Dialect,
+    n_cells: int,
+    *,
+    expected: str = "",
+    block_columns: int = 0,
+    n_optional: int = 0,
+) -> tuple[int, bool]:
     """Return the number of data rows, all of them as wide as they must be, and whether no blank line is among them."""
     n_rows = n_lines = n_up_to_last_row = 0
     for block in text.blocks(dialect.rows.data_row):
         counts = _cells_per_line(block, dialect.separator, text)
-        wrong = ~np.isin(counts, [0, n_cells, *few])
+        wrong = (counts > n_cells) | ((counts < n_cells - n_optional) & (counts > 0))
+        if block_columns:
+            wrong &= (counts > n_cells) | (counts % block_columns != 0)  # a row may end with a block
         if wrong.any():
             row = int(np.argmax(wrong))
-            _refuse_row(text, dialect, block.line + row, int(counts[row]), n_cells)
+            _refuse_row(text, block.line + row, int(counts[row]), n_cells=n_cells, expected=expected)
         rows = np.flatnonzero(counts)
         if rows.size:
             n_rows, n_up_to_last_row = n_rows + rows.size, n_lines + int(rows[-1]) + 1
@@ -198,17 +215,19 @@ def _quoted_cells_per_line(block: Block, separator: str, text: Text) -> IntArray
     return np.array(counts, dtype=np.int64)
 
 
-def _refuse_row(text: Text, dialect: Dialect, line: int, n_found: int, n_cells: int) -> None:
-    rows, fix = dialect.rows, "the last line looks cut off; remove it, or copy the file again"
-    if n_found > n_cells or next(text.lines_from(line + 1), None) is not None:
+def _refuse_row(text: Text, line: int, n_found: int, *, n_cells: int, expected: str) -> None:
+    is_last = next(text.lines_from(line + 1), None) is None
+    cells = split_line(text.line(line), ",")
+    if n_found == 2 * n_cells and all(cell.lstrip("+-").isdigit() for cell in cells):
+        fix = 'it looks like a decimal comma between comma-separated columns; export with ";" between columns'
+    elif n_found < n_cells and is_last:
+        fix = "the last line looks cut off; remove it, or copy the file again"
+    else:
         fix = (
             "mend the line; or, where the names are wrong, set [import] header_row = 0 and "
-            f"data_row = {line}, and give columns by number; numbers with decimal commas need another separator"
+            f"data_row = {line}, and give columns by number"
         )
-    said = f"line {rows.data_row} has {n_cells}"
-    if rows.header_row and n_cells != dialect.n_cells:
-        said = f"the header (line {rows.header_row}) names {n_cells} columns"
-    why = f"this line has {n_found} values, but {said}; a shift by a column would go unseen"
+    why = f"this line has {n_found} values, but {expected}; a shift by a column would go unseen"
     raise text.source.error(why, code="RF103", line=line, fix=fix)
 
 

@@ -52,11 +52,12 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         why = f"{n_cells} columns cannot be divided into recordings of {width} columns"
         fix = "correct [import] block_columns or data_row"
         raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
+    expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
     shared, n_alike = names_of_blocks(dialect.header[: n_blocks * width])
     names = [tuple(shared)] * n_blocks if n_alike == n_blocks else names
     dialect = replace(dialect, units=tuple(chain(*units)))
-    whole = text_table(text, dialect, tuple(chain(*names)), few=range(width, n_cells, width))
+    whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
 
     def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
         columns = whole.values([block * width + offset for offset in offsets])

@@ -41,7 +41,7 @@ Values = Sequence[FloatArray | None]
 def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[ImportProfile]:
     """Yield the profiles that a text may be read by.
 
-    First those of several recordings that it shows, then one of a table, with its header or without.
+    First those of several recordings that it shows, then one of a table, with other rows as its header, or none.
     """
     plain = replace(profile, **dialect.rows._asdict())
     if profile.format == "auto" and not profile.block_columns:
@@ -55,15 +55,28 @@ def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[Im
         if long := _in_rows(seen, dialect, plain):
             yield long
     yield plain
+    for header_row, units_row in _other_headers(text, dialect) if profile.header_row < 0 else ():
+        yield replace(plain, header_row=header_row, units_row=units_row)
     if dialect.rows.header_row:
         yield replace(plain, header_row=0, units_row=0)
+
+
+def _other_headers(text: Text, dialect: Dialect) -> Iterator[tuple[int, int]]:
+    """Yield the rows right above the header that are as wide as the data, and the row of units below each, or 0."""
+    below = split_line(text.line(dialect.rows.header_row), dialect.separator)
+    for line in range(dialect.rows.header_row - 1, 0, -1):
+        cells = split_line(text.line(line), dialect.separator)
+        if len(cells) != dialect.n_cells or not any(cells):
+            return
+        yield line, line + 1 if any(map(is_unit, filter(None, below))) else 0
+        below = cells
 
 
 def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
     """Return the profile of recordings side by side, or None for an ordinary table.
 
-    Two layouts are known: names that come again but for a number, and a row that names each recording above its first
-    column.
+    Three layouts are known: names that come again but for a number; a row that names each recording above its first
+    column; and a header that names the columns of the first recording and leaves the rest blank.
     """
     n, rows, header = dialect.n_cells, dialect.rows, dialect.header[: dialect.n_cells]
     lines = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
@@ -72,12 +85,12 @@ def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> Impor
     if width := _width_by_names(header, n):
         above = (line for line, step in names_rows.items() if step == width and line < rows.header_row)
         return replace(profile, block_columns=width, block_names_row=next(above, 0), **rows._asdict())
-    if n < 4 or not names_rows or (len(header) == n and all(header)):
+    if n < 4 or (len(header) == n and all(header)):
         return None
-    names_row, width = next(iter(names_rows.items()))
-    del head[names_row]
+    names_row, width = next(iter(names_rows.items()), (0, _width_written_once(head.values(), n)))
+    head.pop(names_row, None)
     at: dict[str, Any] = {"block_names_row": names_row, "data_row": rows.data_row}
-    return replace(profile, block_columns=width, **at, **_head_of_first(head, width))
+    return replace(profile, block_columns=width, **at, **_head_of_first(head, width)) if width else None
 
 
 def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, Any]:
@@ -92,6 +105,12 @@ def _width_by_names(header: Sequence[str], n: int) -> int:
     names, n_blocks = names_of_blocks(header) if len(header) == n else ([], 0)
     is_same = list(header) == list(header[: len(names)]) * n_blocks
     return len(names) if is_same or any(map(is_time, names)) else 0
+
+
+def _width_written_once(head: Iterable[Sequence[str]], n: int) -> int:
+    """Return how many cells the first row of names has that stand at the beginning, and divide all columns."""
+    filled = ((sum(map(bool, cells)), cells) for cells in head)
+    return next((k for k, cells in filled if 1 < k < n and n % k == 0 and all(cells[:k])), 0)
 
 
 def _steps(cells: Sequence[str], n: int) -> int:

@@ -97,6 +97,7 @@ def in_rows(form):
 
 
 SEVERAL = {
+    "names written once": (side_by_side(["Time (s),Force (N),,,,"]), "wide"),
     "Shimadzu": (
         side_by_side(
             ["1 _ 1,,1 _ 2,,1 _ 3,", "Time,Force,Time,Force,Time,Force", "(sec),(N),(sec),(N),(sec),(N)"]

@@ -7,7 +7,7 @@ from reading import read, refused
 from ropefric.files.text_table import is_unit
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.inspection import inspect_file
-from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.profile import Channel
 
 
 def pull(row, n=40, **more):
@@ -45,12 +45,15 @@ def test_one_rare_unit_does_not_make_a_row_of_units_the_names(write):
     assert seen(inspect_file(path)) == ({"time": "Running Time", "force": "Load"}, PULL)
 
 
-def test_rows_of_words_between_names_and_data_need_the_row_of_the_names(write):
+def test_rows_of_words_between_names_and_data_hide_no_name(write):
     head = "Kraft am Seil;Weg\nZeit [s];Kraft [N];Weg [mm]\n25 Hz;25 Hz;25 Hz\nU9C 1kN;U9C 1kN;WA50\n"
-    path = write(head + pull("{t};{f};{i}"))
-    assert (inspect_file(path).header_row, inspect_file(path).read) == (4, "")
-    found = inspect_file(path, ImportProfile(header_row=2, data_row=5))
+    found = inspect_file(write(head + pull("{t};{f};{i}")))
     assert seen(found) == ({"time": "Zeit [s]", "force": "Kraft [N]"}, PULL)
+    assert (found.header_row, found.profile.header_row) == (2, 2)
+    head = '"TIMESTAMP","RECORD","Pull","Way"\n"TS","RN","N","mm"\n"","","Smp","Smp"\n'
+    found = inspect_file(write(head + pull('"2024-05-17 10:21:{i:02d}",{i},{f},1.5')))
+    assert seen(found)[0] == {"time": "TIMESTAMP", "force": "Pull"}
+    assert (found.header_row, found.units_row) == (1, 2)
 
 
 def test_a_labelled_row_of_counts_is_no_data(write):

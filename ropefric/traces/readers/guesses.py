@@ -12,7 +12,7 @@ from ropefric.files.text import Text, split_line
 from ropefric.files.text_table import Dialect, is_number, is_unit
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.several import names_of_blocks, stacked_parts
+from ropefric.traces.readers.several import blocks_of_header, stacked_parts
 from ropefric.traces.readers.table import Table, guess_channels, is_time
 from ropefric.traces.signals import is_of, signal_unit
 
@@ -102,9 +102,10 @@ def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, A
 
 def _width_by_names(header: Sequence[str], n: int) -> int:
     """Return how many columns a recording has by names that come again, 0 where none do: two cells are no recordings."""
-    names, n_blocks = names_of_blocks(header) if len(header) == n else ([], 0)
-    is_same = list(header) == list(header[: len(names)]) * n_blocks
-    return len(names) if is_same or any(map(is_time, names)) else 0
+    blocks = blocks_of_header(header) if len(header) == n else []
+    width = n // len(blocks) if blocks else 0
+    is_same = width and list(header) == list(header[:width]) * len(blocks)
+    return width if blocks and (is_same or any(map(is_time, blocks[0].names))) else 0
 
 
 def _width_written_once(head: Iterable[Sequence[str]], n: int) -> int:

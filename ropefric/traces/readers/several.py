@@ -21,21 +21,60 @@ from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table
 
 _DIGITS = re.compile(r"\d+")
-_LABEL = re.compile(r"[\s_#.]{0,3}(?:\bRun )?#?\d++:?\s{0,3}")
+_MARKS = " \t:;,.-_/|#"
 
 
-def names_of_blocks(header: Sequence[str]) -> tuple[list[str], int]:
-    """Return the names of the columns of recordings side by side, and how many there are; [] and 0 for none.
+class Block(NamedTuple):
+    """One of the recordings that a header shows side by side: its name, and those of its columns."""
 
-    Their names differ among themselves, and come again but for a number, which is left out with the "Run" beside it.
+    sample: str
+    names: tuple[str, ...]
+
+
+def blocks_of_header(header: Sequence[str]) -> list[Block]:
+    """Return the recordings that a header shows side by side: names that come again but for a number; [] for none.
+
+    The number and the words beside it that all columns of a block share, "Run 1: " or " Run #1", are the block's name.
     """
+    width = _width_of_block(header)
+    if not width:
+        return []
+    blocks = [_block(header[start : start + width]) for start in range(0, len(header), width)]
+    samples = [block.sample for block in blocks]
+    if "" in samples or len(set(samples)) < len(samples):
+        blocks = [Block(str(place), block.names) for place, block in enumerate(blocks, start=1)]
+    return blocks if len({block.names for block in blocks}) == 1 else []
+
+
+def _width_of_block(header: Sequence[str]) -> int:
+    """Return after how many names, which differ among themselves, a header comes again but for a number; 0 for none."""
     n, alike = len(header), [_DIGITS.sub("#", name).strip().lower() for name in header]
     for width in range(2, n // 2 + 1):
         first = alike[:width]
         if alike == first * (n // width) and len(set(first)) == width:
-            names = [_LABEL.sub(" ", name).strip() for name in header[:width]]
-            return (names, n // width) if all(names) and len(set(names)) == width else ([], 0)
-    return [], 0
+            return width if all(first) else 0
+    return 0
+
+
+def _block(names: Sequence[str]) -> Block:
+    """Return a recording by what all its names begin or end with, or by their last number; "" where nothing names it."""
+    before, after = _shared(names), _shared([name[::-1] for name in names])[::-1]
+    for shared, without in ((before, str.removeprefix), (after, str.removesuffix)):
+        if _DIGITS.search(shared):
+            return Block(shared.strip(_MARKS), tuple(without(name, shared).strip() for name in names))
+    last = {tuple(_DIGITS.findall(name)[-1:]) for name in names}
+    if len(last) > 1 or () in last:
+        return Block("", tuple(name.strip() for name in names))
+    ((label,),) = last
+    parts = (name.rpartition(label) for name in names)
+    return Block(label, tuple((begin.rstrip(" _#.") + end).strip() for begin, _, end in parts))
+
+
+def _shared(names: Sequence[str]) -> str:
+    """Return what several names begin with, up to the end of a word."""
+    same = [len(set(letters)) == 1 for letters in zip(*names, strict=False)]
+    shared = names[0][: same.index(False) if False in same else len(same)]
+    return shared[: max(shared.rfind(mark) for mark in _MARKS) + 1]
 
 
 def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
@@ -54,13 +93,20 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
     expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
-    shared, n_alike = names_of_blocks(dialect.header[: n_blocks * width])
-    names = [tuple(shared)] * n_blocks if n_alike == n_blocks else names
+    blocks = blocks_of_header(dialect.header[: n_blocks * width])
+    blocks = blocks if len(blocks) == n_blocks else []
+    names = [block.names for block in blocks] or names
     dialect = replace(dialect, units=tuple(chain(*units)))
     whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
 
+    @lru_cache(maxsize=1)  # the file is parsed once for all blocks, which ask for the same columns
+    def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
+        indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
+        return dict(zip(indices, whole.values(indices), strict=True))
+
     def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
-        columns = whole.values([block * width + offset for offset in offsets])
+        loaded = load(tuple(sorted(set(offsets))))
+        columns = [loaded[block * width + offset] for offset in offsets]
         filled = np.flatnonzero(~np.all(np.isnan(columns), axis=0))
         return [column[: int(filled[-1]) + 1 if filled.size else 0] for column in columns]
 
@@ -73,7 +119,7 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             sample=sample,
             stamps=frozenset(index - block * width for index in whole.stamps),
         )
-        for block, sample in enumerate(_block_names(text, dialect, profile))
+        for block, sample in enumerate(_block_names(text, dialect, profile, [one.sample for one in blocks]))
     )
 
 
@@ -84,11 +130,15 @@ def _by_block(cells: Sequence[str], n_blocks: int, width: int) -> list[tuple[str
     return [block if any(block) else blocks[0] for block in blocks]
 
 
-def _block_names(text: Text, dialect: Dialect, profile: ImportProfile) -> Sequence[str]:
-    """Return the blocks' names: the first filled cell of each in the names row, else numbers."""
+def _block_names(
+    text: Text, dialect: Dialect, profile: ImportProfile, in_header: Sequence[str]
+) -> Sequence[str]:
+    """Return the blocks' names: the first filled cell of each in the names row, else those of the header, or numbers."""
     row, width = profile.block_names_row, profile.block_columns
     n_blocks = dialect.n_cells // width
     cells = split_line(text.line(row), dialect.separator) if row >= 1 else []
+    if not cells and in_header:
+        return in_header
     names = [
         next(filter(None, cells[block * width : (block + 1) * width]), str(block + 1))
         for block in range(n_blocks)

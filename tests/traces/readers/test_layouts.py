@@ -11,7 +11,7 @@ from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.several import names_of_blocks
+from ropefric.traces.readers.several import blocks_of_header
 
 PEAKS = (115.0, 118.0, 121.0)
 
@@ -205,12 +205,10 @@ def test_groups_are_recordings_where_they_are_alike(tmp_path):
     )
 
 
-def test_the_names_of_columns_side_by_side_are_those_of_all_recordings():
-    plain = (["Time (s)", "Force (N)"], 2)
-    for form in ("Run {1}: {0}", "{0} Run #{1}", "{0}"):
-        assert names_of_blocks([form.format(name, run) for run in (1, 2) for name in plain[0]]) == plain
-    assert names_of_blocks(["t_1 [s]", "F_1 [N]", "t_2 [s]", "F_2 [N]"]) == (["t [s]", "F [N]"], 2)
-    assert names_of_blocks(["t_s", "F1_N", "F2_N", "F3_N"]) == ([], 0)
+def test_recordings_are_called_what_their_columns_share_or_numbered_from_one():
+    assert [block.sample for block in blocks_of_header(["t_s", "F_N"] * 3)] == ["1", "2", "3"]
+    header = [f"Run {number}: {name}" for number in (1, 2) for name in ("Time (s)", "Force (N)")]
+    assert blocks_of_header(header) == [(f"Run {number}", ("Time (s)", "Force (N)")) for number in (1, 2)]
 
 
 # --- what inspect proposes ---

@@ -165,6 +165,16 @@ def start_of_line(block: bytes, line: int) -> int:
     return start
 
 
+def is_text(source: Source) -> bool:
+    """Return whether a file begins as text does, with numbers and line ends and without control characters."""
+    head = "\n".join(first_lines(source))
+    return (
+        "\n" in head
+        and any(map(str.isdigit, head))
+        and all(c.isprintable() or c in "\t\r\n\f\ufeff" for c in head)
+    )
+
+
 def first_lines(source: Source) -> list[str]:
     """Return the first lines of a text, as far as they can be read without knowing its encoding."""
     head = source.file.part(0, _SEEN_BYTES)

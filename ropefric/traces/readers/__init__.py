@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import Source, first_lines
+from ropefric.files.text import Source, first_lines, is_text
 from ropefric.registry import Registry
 from ropefric.traces.readers import excel, hdf5, labview, matlab, several, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED
@@ -42,10 +42,13 @@ def find_reader(path: str | PurePath, profile: ImportProfile, source: Source | N
 
 
 def _by_ending(path: str | PurePath, source: Source | None) -> Reader:
-    """Return the first reader that knows the end of a file's name."""
+    """Return the first reader that knows the end of a file's name; of any other text, the one of plain tables."""
+    name, is_plain = PurePath(path).name.lower(), source is not None and is_text(source)
     for reader in READERS.values():
-        if PurePath(path).name.lower().endswith(reader.suffixes):
+        if name.endswith(reader.suffixes) and not (is_plain and reader is excel.READER):  # text called .xls
             return reader
+    if is_plain:
+        return DELIMITED
     endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
     why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
     fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'

@@ -311,11 +311,11 @@ def _parse_rows(
     return [np.ascontiguousarray(table[:, i]) for i in range(len(indices))]
 
 
-_ENDINGS = ("csv", "txt", "tsv", "dat", "asc", "lvm", "log", "prn", "tra")
-
 DELIMITED = Reader(
     name="delimited",
-    suffixes=tuple(f".{kind}{gz}" for gz in ("", ".gz") for kind in _ENDINGS),
+    suffixes=tuple(
+        f".{kind}{gz}" for gz in ("", ".gz") for kind in ("csv", "txt", "tsv", "dat", "asc", "lvm")
+    ),
     description="text with columns: CSV, TAB, semicolon or blanks; plain or gzip",
     tables=_delimited_tables,
 )

@@ -274,7 +274,7 @@ def _forces(
     units = {i: unit for i in free if is_of("force", unit := _unit_of_force(table, i))}
     found: dict[str, Channel] = {}
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
-        force, why = _force_column(table, free, units)
+        force, why = _force_column(table, values, free, units)
         if force < 0:
             shown = ", ".join(table.names[i].strip() or f"column {i + 1}" for i in (units or free))
             doubts.append(f"which column is the force ({shown})? Name it in [import.channels]")
@@ -319,7 +319,9 @@ def _end_tension(table: Table, units: Iterable[int], doubts: list[str]) -> dict[
     return {"end_tension": _by_name(table, slack[0])}
 
 
-def _force_column(table: Table, free: Sequence[int], units: Mapping[int, str]) -> tuple[int, str]:
+def _force_column(
+    table: Table, values: Values, free: Sequence[int], units: Mapping[int, str]
+) -> tuple[int, str]:
     """Return the column that is the force by the first rule that leaves one, and why; -1 where none does.
 
     Columns in newtons go before those in volts, and these before columns without a unit.
@@ -330,6 +332,8 @@ def _force_column(table: Table, free: Sequence[int], units: Mapping[int, str]) -
         return some[0], f"alone is {f'in {units[some[0]]}' if kind else 'left'}"
     if len(called) == 1:
         return called[0], "is called so"
+    if kind and _are_one(values, some, units):
+        return some[0], "is the first of those that differ by their zero"
     return -1, ""
 
 
@@ -339,6 +343,14 @@ def _likeliest(table: Table, free: Sequence[int], units: Mapping[int, str]) -> t
     kinds |= {i: "" for i in free if i not in units and not table.unit(i)}
     found = ((kind, [i for i in free if kinds.get(i) == kind]) for kind in ("N", "V", "V/V", ""))
     return next((one for one in found if one[1]), ("", []))
+
+
+def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -> bool:
+    """Return whether columns are one signal but for its zero."""
+    arrays = [array for i in columns if (array := values[i]) is not None and array.size > 1]
+    apart = [float(np.ptp(array - arrays[0])) for array in arrays[1:] if array.size == arrays[0].size]
+    is_one = 0 < len(apart) == len(columns) - 1 and len({units[i] for i in columns}) == 1
+    return is_one and max(apart) <= 1e-6 * float(np.ptp(arrays[0]))
 
 
 def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts: list[str]) -> Channel:

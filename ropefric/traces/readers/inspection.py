@@ -1,6 +1,6 @@
 """Examine an unknown recording file: its contents, and the import profile that reads it, tried on the file."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import chain, islice
 from pathlib import Path, PurePath
@@ -15,17 +15,18 @@ from ropefric.files.text import Source, split_line
 from ropefric.glossary import counted
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
+from ropefric.traces.clock import mean_step_s, mend_clock
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
-from ropefric.traces.readers.guesses import guess_meaning, layouts
-from ropefric.traces.readers.profile import ImportProfile, RawRecording, profile_to_toml
+from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
+from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording, profile_to_toml
 from ropefric.traces.readers.table import Table, WordError
-from ropefric.traces.signals import FORCES, signal_unit
-from ropefric.traces.smoothing import is_uniform
+from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
 
+_UNIFORM = 0.05
 _TOP = 2.0**32 - 1.0
 _AS_COUNTS = Calibration(
     cell=ForceCell(name="", full_scale_N=_TOP, full_scale_V=_TOP), adc=Adc(bits=32, low_V=0.0, high_V=_TOP)
@@ -164,13 +165,8 @@ def _tried(found: Inspection, source: Source) -> Inspection:
         return replace(found, stopped=f"{error.problem.message}{fix}")
     said = _summary_of(traces, signals.get("force", "N"))
     said += f"; not yet in newtons: {', '.join(signals)}" if signals else ""
-    return replace(
-        found,
-        read=said,
-        notes=tuple(dict.fromkeys(chain(found.notes, *(trace.notes for trace in traces)))),
-        sampling_rate_Hz=float(f"{traces[0].sampling_rate_Hz:.6g}"),
-        is_uniform=is_uniform(traces[0].time_s),
-    )
+    notes = dict.fromkeys(chain(found.notes, *(trace.notes for trace in traces)))
+    return replace(found, read=said, notes=tuple(notes))
 
 
 def as_signals(profile: ImportProfile) -> tuple[ImportProfile, dict[str, str]]:
@@ -208,14 +204,17 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
     values, wrong_stamps = _load(table)
     columns = tuple(_column(table, index, array) for index, array in enumerate(values))
     guess = guess_meaning(table, values, found.profile)
+    rate_Hz, is_uniform, clock_doubts = _clock(table, values, guess.channels)
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
-    doubts = (*found.doubts, *wrong_stamps, *guess.doubts)
+    doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
     return replace(
         found,
         columns=columns,
         n_rows=max((array.size for array in values if array is not None), default=0),
         samples=samples,
+        sampling_rate_Hz=rate_Hz or guess.rate_Hz,
+        is_uniform=is_uniform or bool(guess.rate_Hz),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
         doubts=(*doubts, several) if samples else doubts,
@@ -251,3 +250,36 @@ def _column(table: Table, index: int, array: FloatArray | None) -> ColumnSummary
         is_numeric=array is not None,
         is_integer=bool(present.size and (present == np.floor(present)).all()),
     )
+
+
+def _clock(
+    table: Table, values: Sequence[FloatArray | None], channels: Mapping[str, Channel]
+) -> tuple[float | None, bool, tuple[str, ...]]:
+    """Return sampling rate, whether the steps are even, and the error of the clock."""
+    try:
+        time_s = _clock_s(table, channels)
+        if "time" in channels:
+            index, unit = index_of(table, channels["time"]), unit_of(table, channels["time"])
+            array = values[index] if index is not None else None
+            time_s = array * si_scale("time", unit)[0] if array is not None and unit else None
+        if time_s is None or time_s.size < 2:
+            return None, False, ()
+        others = [array for array in values if array is not None and array.size == time_s.size]
+        _, mended_s, notes = mend_clock(time_s, others, name="the time", first_line=table.first_line)
+    except DataError as error:
+        return None, False, (str(error),)
+    steps_s = np.diff(mended_s)
+    if not steps_s.size:
+        return None, False, notes
+    step_s = mean_step_s(steps_s)
+    is_uniform = bool((np.abs(steps_s - step_s) <= _UNIFORM * step_s).all())
+    return float(f"{1.0 / step_s:.6g}"), is_uniform, notes
+
+
+def _clock_s(table: Table, channels: Mapping[str, Channel]) -> FloatArray | None:
+    """Return the time that the channels, or else the first column that has one, bring with them."""
+    if table.clock is None:
+        return None
+    chosen = [index for channel in channels.values() if (index := index_of(table, channel)) is not None]
+    clocks = (table.clock(index) for index in (*chosen, *range(len(table.names))))
+    return next((time_s for time_s in clocks if time_s is not None), None)

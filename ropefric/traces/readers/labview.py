@@ -21,17 +21,31 @@ from ropefric.traces.readers.table import Reader, Table
 _MAGIC = "LabVIEW Measurement"
 _END = re.compile(rb"^\*\*\*End_of_Header\*\*\*[^\n]*\n", re.MULTILINE)
 _SEPARATORS = {"Tab": "\t", "Comma": ",", "Semicolon": ";", "Space": " "}
+_SPECIAL = (b"***Start_Special", b"***End_Special")
 
 _Tags = Mapping[str, Sequence[str]]
+
+
+def _without_special_blocks(data: bytes) -> bytes:
+    """Return a file with the lines of its special blocks empty, so that the others keep their numbers."""
+    kept, at, start = [], 0, data.find(_SPECIAL[0])
+    while start >= 0 and (stop := data.find(_SPECIAL[1], start)) >= 0:
+        end = data.find(b"\n", stop)
+        end = len(data) if end < 0 else end
+        if start == 0 or data[start - 1 : start] == b"\n":
+            kept += [data[at:start], b"\n" * data.count(b"\n", start, end)]
+            at = end
+        start = data.find(_SPECIAL[0], max(start + 1, at))
+    return b"".join([*kept, data[at:]])
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the file's recordings; a block that continues the one before belongs to the same recording."""
     text = load_text(source, profile.encoding)
-    data, fix = text.data, 'describe the file, with [import] format = "delimited"'
-    if b"***Start_Special" in data:
-        raise source.error("this LabVIEW file has special blocks", code="RF103", fix=f"remove them, or {fix}")
+    data = _without_special_blocks(text.data)
+    text = replace(text, data=data)
     ends = [found.end() for found in _END.finditer(data)]
+    fix = 'describe the file, with [import] format = "delimited"'
     if len(ends) < 2:
         why = "this LabVIEW file has no second ***End_of_Header***, so no header of its channels"
         raise source.error(why, code="RF103", fix=f"write it with headers, or {fix}")

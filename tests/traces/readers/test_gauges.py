@@ -22,7 +22,7 @@ FILES = {
     "in-words.csv": ("Zeit in s;Kraft in N\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),
     "only-units.csv": ("Seconds;Newton\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),
     "mass.csv": ("Time (s),Load (kg)\n", lambda i, t, f: f"{t:.2f},{f / KGF_N:.5f}", "kgf"),
-    "quoted-names.txt": ('"Time";"Standard force"\n"s";"N"\n', lambda i, t, f: f"{t:.2f};{f:.4f}".replace(".", ","), ""),
+    "other-ending.tra": ('"Time";"Standard force"\n"s";"N"\n', lambda i, t, f: f"{t:.2f};{f:.4f}".replace(".", ","), ""),
 }  # fmt: skip
 
 

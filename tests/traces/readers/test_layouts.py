@@ -42,6 +42,7 @@ def tops(traces):
         ("counter-as-time/sno.csv", [120], 1, 10, "C_1_Temps"),
         ("excel-values-sheet-last/testxpert_three_sheets.xlsx", [120], 1, 10, "Values Specimen 1"),
         ("linescale/ls3_native.csv", [1200], 1, 40, "40 Hz"),
+        ("linescale/logger_wide.csv", [1200], 1, 40, "value_kN"),
         ("note-beside-header/note.csv", [120], 1, 10, "Load"),
         ("side-by-side-unequal/pasco_runs.csv", PEAKS, 3, 100, "3 recordings"),
         ("side-by-side-unequal/vernier_runs.csv", PEAKS, 3, 100, "3 recordings"),
@@ -56,15 +57,6 @@ def test_files_of_others_come_in_by_their_own_proposal(real_data, name, top_N, n
     assert [trace.sampling_rate_Hz for trace in traces] == pytest.approx([rate_Hz] * n, rel=1e-3)
     assert f"{n} recording" in found.read
     assert said in str(found.to_dict())
-
-
-def test_of_two_columns_that_may_be_the_force_one_must_be_named(real_data):
-    path = real_data / "field_inputs" / "linescale" / "logger_wide.csv"
-    assert any("which column is the force" in doubt for doubt in inspect_file(path).doubts)
-    (trace,) = read(
-        path, channels=inspect_file(path).profile.channels | {"force": Channel(column="value_kN")}
-    )
-    assert trace.force_N.max() == pytest.approx(1200, rel=0.02)
 
 
 # --- several recordings in a file, one ability ---
@@ -212,6 +204,14 @@ def test_recordings_are_called_what_their_columns_share_or_numbered_from_one():
 
 
 # --- what inspect proposes ---
+
+
+@pytest.mark.parametrize("n", [2, 300])
+def test_of_columns_that_differ_by_their_zero_the_first_is_the_force(write, n):
+    rows = "".join(f"{i},{3 * i},{3 * i + 5}\n" for i in range(n))
+    found = inspect_file(write(f"time_s,a [N],b [N]\n{rows}"))
+    assert found.profile.channels["force"].column == "a [N]"
+    assert any("the first of those that differ by their zero" in doubt for doubt in found.doubts)
 
 
 def test_two_signals_of_a_german_logger_are_proposed_with_what_is_missing(write):

@@ -89,6 +89,10 @@ def test_the_zero_that_ends_a_string_of_c_is_no_damage(write):
     assert ("copy the file again" in error.fix, "zero" in str(error)) == (True, True)
 
 
+def test_text_that_is_called_a_workbook_is_read_as_text(write):
+    assert seen(inspect_file(write("Time (s)\tForce (N)\n" + pull("{t}\t{f}"), "pull.xls")))[1] == PULL
+
+
 def test_a_date_joined_to_its_time_of_day_is_a_stamp(write):
     found = inspect_file(write("when,Load (N)\n" + pull("2018-11-30-10:04:{i:02d}.5,{f}")))
     assert seen(found) == ({"time": "when", "force": "Load (N)"}, PULL.replace("25 Hz", "1 Hz"))

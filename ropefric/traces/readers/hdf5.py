@@ -1,7 +1,7 @@
 """HDF5: data sets as columns, called by their paths; needs the extra `lab`."""
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,8 @@ from ropefric.traces.readers.table import (
     recordings_among,
     seconds_from_first,
 )
+
+_DEEPEST = 20
 
 RATES = ("sampling_rate", "sample_rate", "sampling_rate_hz", "sample_rate_hz", "sampling_frequency", "fs")
 """Attributes with samples per second, of a data set, its group or the file, whatever their case and blanks."""
@@ -45,10 +47,10 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     named = {channel.column for channel in profile.channels.values()}
     raw, fix = source.raw_bytes(), "copy it again, or name its format in [import] format"
     with foreign(source, "this is not a readable HDF5 file", fix), h5py.File(io.BytesIO(raw)) as file:
-        sets = _sets_of_group(_sets(file, h5py), profile.table.strip("/"), source)
+        sets = _sets_of_group(dict(_sets(file, "", h5py)), profile.table.strip("/"), source)
         columns = {
             name: _Column(values, *_attributes(item, file))
-            for path, item in sets.items()
+            for path, item in _once(sets, named, h5py).items()
             for name, values in _columns(item, path)
         }
     if not columns:
@@ -99,17 +101,28 @@ def _table(columns: Mapping[str, _Column], source: Source, said: str) -> Table:
     return array_table(arrays, source, units=units, clock=clock if has_clock else None, notes=notes)
 
 
-def _sets(file: Any, h5py: Any) -> dict[str, Any]:
-    """Return every data set once, by its path; other files are not opened."""
-    found = {}
+def _sets(group: Any, path: str, h5py: Any, above: tuple[Any, ...] = ()) -> Iterator[tuple[str, Any]]:
+    """Yield path and data set of all there is below a group, through links too; other files are not opened."""
+    for name in group:
+        is_index = name.startswith(("_i_", "_p_"))  # of PyTables and pandas
+        if is_index or isinstance(group.get(name, getlink=True), h5py.ExternalLink):
+            continue
+        item = group.get(name)
+        if isinstance(item, h5py.Dataset) and not (item.is_virtual or item.external):
+            yield f"{path}{name}", item
+        elif isinstance(item, h5py.Group) and item not in above and len(above) < _DEEPEST:
+            yield from _sets(item, f"{path}{name}/", h5py, (*above, group, item))
 
-    def look(path: str, item: Any) -> None:
-        is_index = "/_i_" in f"/{path}"  # of PyTables and pandas
-        if isinstance(item, h5py.Dataset) and not (is_index or item.is_virtual or item.external):
-            found[path] = item
 
-    file.visititems(look)
-    return found
+def _once(sets: Mapping[str, Any], named: Container[str | int], h5py: Any) -> dict[str, Any]:
+    """Return every data set under its shortest path, and under those that are named; links give it many."""
+    found, seen = dict[str, Any](), set[int]()
+    for path in sorted(sets, key=lambda path: (path.count("/"), path)):
+        place = h5py.h5o.get_info(sets[path].id).addr
+        if place not in seen or path in named:
+            found[path] = sets[path]
+            seen.add(place)
+    return {path: found[path] for path in sets if path in found}
 
 
 def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:

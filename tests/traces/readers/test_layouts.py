@@ -190,8 +190,9 @@ def test_groups_are_recordings_where_they_are_alike(tmp_path):
         for number, (time_s, force_N) in enumerate(PULLS, start=1):
             file[f"store/{number}/time"], file[f"store/{number}/force"] = time_s, force_N
             file[f"store/{number}/time"].attrs["unit"], file[f"store/{number}/force"].attrs["unit"] = "s", "N"
+            file[f"runs/{number}"] = h5py.SoftLink(f"/store/{number}")
             file[f"store/{number}/up"] = h5py.SoftLink("/store")  # a circle
-    profile = ImportProfile(table="store")
+    profile = ImportProfile(table="runs")
     assert tops([assemble_trace(raw, profile) for raw in read_recordings(path, profile)]) == pytest.approx(
         PEAKS
     )

@@ -324,7 +324,7 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     else:
         data_row = _first_data_row(rows, [number for number in inked if number > after], layout)
     if data_row == 0:
-        raise _no_data(rows, source)
+        raise _no_data(rows, layout, source)
     if layout.header_row >= 0:
         return HeadRows(layout.header_row, layout.units_row, data_row)
     return HeadRows(*_words_above(rows, inked, data_row, layout), data_row)
@@ -386,13 +386,21 @@ def _words_above(
     if not above or not is_header(above[-1]):
         return 0, units_row
     are_units = all(map(is_unit, over_data(above[-1])))
-    if are_units and not units_row and len(above) > 1 and is_header(above[-2]):
-        return above[-2], above[-1]
+    if are_units and not units_row and len(above) > 1:
+        names, data = rows[above[-2] - 1], rows[data_row - 1]
+        # Right above units even numbers are names, those of an oscilloscope's channels.
+        is_named = len(names) == len(data) and not all(map(is_value, names))
+        if is_header(above[-2]) or (is_named and above[-2] == above[-1] - 1):
+            return above[-2], above[-1]
     return above[-1], units_row
 
 
-def _no_data(rows: Sequence[Sequence[str]], source: Source) -> DataError:
-    fix = "record it again, write numbers without labels, or correct [import] data_row, separator and decimal"
+def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> DataError:
+    if layout.data_row:
+        last = max((number for number, row in enumerate(rows, start=1) if any(row)), default=0)
+        why = f"data_row = {layout.data_row}, but the last line with content is {last}"
+        return source.error(why, key="[import] data_row", fix="give the line of the first data row")
+    fix = "record it again, write numbers without labels, or set [import] data_row, separator and decimal"
     line = next((" ".join(row) for row in reversed(rows) if any(row)), "")
     why = (
         f"there are no data rows: no line below the header has a cell that is a number; one is {line[:60]!r}"

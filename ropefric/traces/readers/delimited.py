@@ -254,14 +254,15 @@ def _parse_block(
     """Return columns of a piece of a text, the fast way where it finds numbers in all cells."""
     # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
     if b'"' not in block.data and not dialect.layout.thousands:
-        arrays = _parse_fast(block, dialect, len(names), indices)
-        if arrays is not None:
-            return arrays
+        for tolerant in (False, True):
+            arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
+            if arrays is not None:
+                return arrays
     return _parse_rows(block, dialect, names, indices, source)
 
 
 def _parse_fast(
-    block: Block, dialect: Dialect, n_columns: int, indices: Sequence[int]
+    block: Block, dialect: Dialect, n_columns: int, indices: Sequence[int], *, tolerant: bool
 ) -> list[FloatArray] | None:
     """Return columns as pandas reads them, or None where it finds a cell that is no finite number."""
     import pandas as pd  # noqa: PLC0415  (0.3 s to load)
@@ -277,9 +278,10 @@ def _parse_fast(
             index_col=False,
             dtype=np.float64,
             engine="c",
+            na_filter=tolerant,
             keep_default_na=False,
             na_values=sorted(dialect.layout.no_value),
-            skipinitialspace=dialect.separator not in "\t ",
+            skipinitialspace=tolerant and dialect.separator not in "\t ",
             low_memory=False,
         )
     except (ValueError, OverflowError):  # pandas' own parser errors are ValueErrors

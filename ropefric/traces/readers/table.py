@@ -75,14 +75,19 @@ class Table:
         hits = self.hits(wanted)
         if len(hits) == 1:
             return hits[0]
-        if hits:
+        if isinstance(wanted, int):
+            why = f"column {wanted} was asked for; {self.listed}"
+            fix = f"give a column number from 1 to {len(self.names)}"
+        elif not self.has_header:
+            why = f"column {wanted!r} was asked for by name, but the columns have no names; {self.listed}"
+            name = key.rpartition(" ")[2]
+            fix = f"give its number, for example {name} = {{ column = 1 }}, or set header_row"
+        elif hits:
             why = f"several columns are called {wanted!r}: numbers {', '.join(str(hit + 1) for hit in hits)}"
             fix = f"give the number of the one you mean, for example {{ column = {hits[0] + 1} }}"
         else:
             why = f"there is no column {wanted!r}; {self.listed}"
-            fix = f"give a column number from 1 to {len(self.names)}"
-            if isinstance(wanted, str) and self.has_header:
-                fix = did_you_mean(wanted, filter(None, map(str.strip, self.names)))
+            fix = did_you_mean(wanted, filter(None, map(str.strip, self.names)))
         raise source.error(why, code="RF105", key=key, fix=fix)
 
     def hits(self, wanted: str | int) -> list[int]:
@@ -347,7 +352,8 @@ def recordings_among(
     found = [name for name in fitting if tables[name].names == largest.names and sizes[name]]
     several = len(found) > 1
     if len(tables) > 1:
-        note = f"{len(found)} of {len(tables)} {kind}: {', '.join(found)[:200]}"
+        alike = f"those with the columns {', '.join(largest.names)[:200]}: {len(found)}"
+        note = f"of the {kind} {', '.join(map(repr, tables))[:200]} {alike if several else repr(found[0])}"
         for name in found:
             tables[name].notes.insert(0, note)
     return tuple(replace(tables[name], sample=name if several else "") for name in found)

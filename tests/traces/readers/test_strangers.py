@@ -56,6 +56,12 @@ def test_rows_of_words_between_names_and_data_hide_no_name(write):
     assert (found.header_row, found.units_row) == (1, 2)
 
 
+def test_numbers_over_units_are_names_of_channels(write):
+    found = inspect_file(write("x-axis,1\nsecond,Volt\n" + pull("{t},{f}")))
+    assert [(column.name, column.unit) for column in found.columns] == [("x-axis", "s"), ("1", "V")]
+    assert found.profile.channels["force"] == Channel(column="1", unit="V")
+
+
 def test_a_labelled_row_of_counts_is_no_data(write):
     head = "Result:,Pull 3,,\nInterval and points:,1,40,\nInterval data:,Point,Force,Time\n,,,\n,,[N],[s]\n"
     assert seen(inspect_file(write(head + pull(",{i},{f},{t}"))))[1] == PULL

@@ -16,10 +16,14 @@ from ropefric.files.disk import InputFile
 
 GZIP_MAGIC = b"\x1f\x8b"
 _GZIP = 31  # as zlib calls it
-_SEEN, _SEEN_BYTES = 40, 8192  # lines and bytes by which a format is recognised
+_SEEN = 40  # lines by which a format is recognised
 
 MOST_UNPACKED_BYTES = 2**30
 """Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
+HEAD_BYTES = 65536
+"""Marks are looked for in this much of a file; the whole file is then held to what was found."""
+HEAD_LINES = 32
+"""Lines that the head has at least, however long they are."""
 PIECE_BYTES = 2**20
 """How much of a text is taken apart at a time."""
 
@@ -110,6 +114,13 @@ class Text:
         )
         return replace(self, data=self.data[start:stop], first_line=first_line, is_ended=is_ended)
 
+    @property
+    def end_of_head(self) -> int:
+        """Return where the lines to look at end: after `HEAD_BYTES`, but at least after some lines; never within one."""
+        n = len(self.data)
+        by_size = n if n <= HEAD_BYTES else self.data.rfind(b"\n", 0, HEAD_BYTES) + 1
+        return max(by_size, start_of_line(self.data, HEAD_LINES + 1))
+
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
         start = self.start_of(number)
@@ -177,12 +188,12 @@ def is_text(source: Source) -> bool:
 
 def first_lines(source: Source) -> list[str]:
     """Return the first lines of a text, as far as they can be read without knowing its encoding."""
-    head = source.file.part(0, _SEEN_BYTES)
+    head = source.file.part(0, HEAD_BYTES)
     if head.startswith(GZIP_MAGIC):
         with suppress(zlib.error):  # which is told when the file is read
-            head = zlib.decompressobj(_GZIP).decompress(head, _SEEN_BYTES)
+            head = zlib.decompressobj(_GZIP).decompress(head, HEAD_BYTES // 8)
     encoding = _marked_encoding(head) or "utf-8"
-    return head.decode(encoding, errors="replace").split("\n", _SEEN)[:_SEEN]
+    return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", _SEEN)[:_SEEN]
 
 
 def load_text(source: Source, encoding: str = "") -> Text:

@@ -1,6 +1,6 @@
 """How a table in a text file is laid out: separator, decimal mark, header, units and first data row.
 
-The user's settings hold; others are found in the first lines, or refused where two readings are possible.
+The user's settings hold; others are found in the first 64 kB, or refused where two readings are possible.
 """
 
 import math
@@ -35,7 +35,9 @@ _NUMBER = {
     )
     for mark in ".,"
 }
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
+_POINTED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\.\d*", re.ASCII)
+_GROUPED_BY_POINTS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+,\d*", re.ASCII)
 _HAS_COMMA = re.compile(r"[+-]?(?=[\d.]*+,)[\d.,]++(?:[eE][+-]?\d++)?", re.ASCII)
 _COMMA_INSIDE = re.compile(r"[+-]?\d++,\d++", re.ASCII)
 _NUMBER_SHAPED = re.compile(
@@ -111,6 +113,7 @@ class Dialect:
     units: tuple[str, ...]
     first_row: Sequence[str]
     layout: TableLayout
+    thousands: str = ""
     facts: Facts = NO_FACTS
     notes: list[str] = field(default_factory=list)
 
@@ -172,21 +175,28 @@ def unit_behind(cell: str) -> str:
 def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:
     """Return the layout of a text table that is said to have at least `last_column` columns."""
     _check(layout)
+    head = text.data[: text.end_of_head]
+    lines = b"\n".join(head.split(b"\n", _MOST_LINES)[:_MOST_LINES]).decode(errors="replace").split("\n")
     skip = max(layout.data_row - 1, layout.last_head_row)
-    lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
+    if len(lines) - skip < 2:  # an explicit data row far down the file
+        lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
     separator = layout.separator or _find_separator(lines, skip, layout, text.source, last_column)
     rows = _find_rows(lines, separator, layout, text.source)
     first_row = split_line(lines[rows.data_row - 1], separator)
     header, units = (_words(lines[row - 1], separator, len(first_row)) if row else () for row in rows[:2])
+    decimal, thousands = _find_marks(head, rows.data_row, separator, layout, text.source)
+    note = f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"
     return Dialect(
         separator=separator,
-        decimal=_find_decimal(lines, rows.data_row, separator, layout, text.source),
+        decimal=decimal,
+        thousands=thousands,
         rows=rows,
         header=header,
         units=units,
         first_row=first_row,
         layout=layout,
         facts=facts_of(lines[: max(rows.data_row - 1, 0)], separator),
+        notes=[note] if thousands and not layout.thousands else [],
     )
 
 
@@ -277,35 +287,56 @@ def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Sour
         raise source.error(why, code="RF104", fix='set [import] separator = "," or decimal = ","')
 
 
-def _find_decimal(
-    lines: Sequence[str], data_row: int, separator: str, layout: TableLayout, source: Source
-) -> str:
-    """Return the decimal mark that the first lines show, "." without a sign; what groups thousands is never guessed."""
+def _find_marks(
+    head: bytes, data_row: int, separator: str, layout: TableLayout, source: Source
+) -> tuple[str, str]:
+    """Return the decimal mark and the one between thousands that the head shows: "." and none where it shows nothing.
+
+    A comma groups thousands where cells such as 1,234.5 or 1,234,567 say so and none says otherwise; else it is refused
+    where it may be either.
+    """
     if layout.decimal or layout.thousands:
-        return layout.decimal or ("," if layout.thousands == "." else ".")
-    either, is_comma = (0, ""), False
-    for number, cell in _comma_cells(lines, data_row, separator):
-        if not is_number(cell, ","):
-            why = f"{cell!r} mixes marks: one of them groups thousands"
-            fix = 'set [import] decimal and thousands, such as decimal = "." and thousands = ","'
-            raise source.error(why, code="RF104", line=number, fix=fix)
-        if not _GROUPED.fullmatch(cell):
-            is_comma = True
-        elif not either[0]:
-            either = number, cell
-    number, cell = either
-    if number and not is_comma:
+        other = "," if layout.thousands == "." else "."
+        return layout.decimal or other, layout.thousands
+    if b"," not in head or (separator == "," and b'"' not in head):
+        return ".", ""
+    told: dict[str, tuple[int, str]] = {}
+    for number, cell in _comma_cells(head, data_row, separator):
+        told.setdefault(_says(cell), (number, cell))
+    either, kinds = told.pop("either", None), frozenset(told)
+    meant = {frozenset(): (".", ""), frozenset({"decimal"}): (",", ""), frozenset({"English"}): (".", ",")}
+    meant |= dict.fromkeys((frozenset({"German"}), frozenset({"German", "decimal"})), (",", "."))
+    if kinds not in meant:
+        number, cell = told.get("neither") or max(told.values())
+        why = f"{cell!r} mixes marks, or others do: which of them groups thousands is never guessed"
+        fix = 'set [import] decimal and thousands, such as decimal = "." and thousands = ","'
+        raise source.error(why, code="RF104", line=number, fix=fix)
+    if either and not kinds:
+        number, cell = either
         meanings = f"{cell.replace(',', '.')} or {cell.replace(',', '')}"
-        why = f"{cell!r} may mean {meanings}; no cell in the first lines shows which"
+        why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB shows which"
         fix = 'set [import] decimal = "," if it is a decimal comma, or thousands = "," if it groups thousands'
         raise source.error(why, code="RF104", line=number, fix=fix)
-    return "," if is_comma else "."
+    return meant[kinds]
 
 
-def _comma_cells(lines: Sequence[str], data_row: int, separator: str) -> Iterator[tuple[int, str]]:
-    for number, line in enumerate(lines[data_row - 1 :], start=data_row):
-        for cell in split_line(line, separator) if "," in line else ():
-            if _HAS_COMMA.fullmatch(cell) and any(c.isdigit() for c in cell):
+def _says(cell: str) -> str:
+    """Return the marks that a number with a comma implies."""
+    if _POINTED.fullmatch(cell) or (_GROUPED.fullmatch(cell) and cell.count(",") > 1):
+        return "English"
+    if _GROUPED_BY_POINTS.fullmatch(cell):
+        return "German"
+    if _GROUPED.fullmatch(cell):
+        return "either"
+    return "decimal" if is_number(cell, ",") else "neither"
+
+
+def _comma_cells(head: bytes, data_row: int, separator: str) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(head.split(b"\n"), start=1):
+        if number < data_row or b"," not in line:
+            continue
+        for cell in split_line(line.decode(errors="replace"), separator):
+            if "," in cell and _HAS_COMMA.fullmatch(cell) and any(c.isdigit() for c in cell):
                 yield number, cell
 
 

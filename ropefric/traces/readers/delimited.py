@@ -253,7 +253,7 @@ def _parse_block(
 ) -> list[FloatArray]:
     """Return columns of a piece of a text, the fast way where it finds numbers in all cells."""
     # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
-    if b'"' not in block.data and not dialect.layout.thousands:
+    if b'"' not in block.data and not dialect.thousands:
         for tolerant in (False, True):
             arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
             if arrays is not None:
@@ -301,9 +301,7 @@ def _parse_rows(
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
-            value = (
-                math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.layout.thousands)
-            )
+            value = math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.thousands)
             if math.isinf(value):
                 name = names[index] if index < len(names) and names[index] else f"column {index + 1}"
                 raise bad_cell(cell, name, dialect.decimal, source, line=number, is_first=not found)

@@ -142,6 +142,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
                 format=reader.name,
                 separator=dialect.separator,
                 decimal="" if decimal_is_open else dialect.decimal,
+                thousands=dialect.thousands,
                 encoding="" if text.encoding in {"utf-8", "utf-8-sig"} else text.encoding,
             ),
             doubts=(*doubts, *map(str, errors)),

@@ -56,8 +56,8 @@ CORPUS = {
     "open quote": (HEAD + '0,1\n0.1,"2\n0.2,3\n', "RF103", 3, "quotation mark", ""),
     "decimal comma in commas": (HEAD + "0,1,12,47\n0,2,12,48\n", "RF103", 2, "4 values", "decimal comma"),
     "grouped or decimal": ("time_s;force_N\n0;1,234\n1;2,345\n", "RF104", 2, "1.234 or 1234", 'decimal = ","'),
-    "grouped and decimal": ("time_s;force_N\n0;1,234.5\n1;2,5\n", "RF104", 2, "mixes marks", 'thousands = ","'),
-    "grouped both ways": ("time_s;force_N\n0;1.234,5\n1;2,345.5\n", "RF104", 2, "mixes marks", "decimal"),
+    "grouped and decimal": ("time_s;force_N\n0;1,234.5\n1;2,5\n", "RF104", 3, "mixes marks", 'thousands = ","'),
+    "grouped both ways": ("time_s;force_N\n0;1.234,5\n1;2,345.5\n", "RF104", 3, "mixes marks", "decimal"),
     "grouped oddly": ("time_s;force_N\n0;1,23.5\n", "RF104", 2, "mixes marks", "thousands"),
     "one or two columns": ("12,47\n13,01\n", "RF104", None, "two whole numbers", "separator"),
     "unknown columns": ("zeit_s,weg_mm\n0,1\n", "RF105", None, "zeit_s, weg_mm", "ropefric inspect"),
@@ -84,14 +84,16 @@ def test_a_decimal_comma_after_the_first_64_kilobytes_is_told(write):
     assert error.fix == '[import] decimal = ","'
 
 
-def test_grouped_thousands_are_read_by_their_key(write):
-    for cells, decimal in (("1,234.5", "."), ("1.234,5", ","), ('"1,234.5"', "."), ("1'234.5", ".")):
-        separator, mark = "," if '"' in cells else ";", next(mark for mark in ",.'" if mark in cells[:4])
+def test_grouped_thousands_are_read_where_they_are_plain(write):
+    for cells, decimal in (("1,234.5", "."), ("1.234,5", ","), ("1,234,567", "."), ('"1,234.5"', ".")):
+        separator = "," if '"' in cells else ";"
         path = write(f"time_s{separator}force_N\n0{separator}{cells}\n1{separator}12{decimal}5\n")
-        assert refused(path).code in {"RF102", "RF104"}
-        profile = ImportProfile(thousands=mark, decimal=decimal)
-        assert columns(path, profile)["force"].tolist() == [1234.5, 12.5]
+        (trace,) = read_recordings(path, ImportProfile())
+        whole = 1234567 if cells.count(",") > 1 else 1234.5
+        assert trace.columns["force"].tolist() == [whole, 12.5]
+        assert any("groups thousands" in note for note in trace.notes)
     swiss = ImportProfile(thousands="'", decimal=".")
+    assert columns(write("time_s;force_N\n0;1'234.5\n1;2345\n"), swiss)["force"].tolist() == [1234.5, 2345]
     assert refused(write("time_s;force_N\n0;1'234.5\n1;23'45\n"), swiss).problem.line == 3
 
 

@@ -44,6 +44,7 @@ def tops(traces):
         ("linescale/ls3_native.csv", [1200], 1, 40, "40 Hz"),
         ("linescale/logger_wide.csv", [1200], 1, 40, "value_kN"),
         ("note-beside-header/note.csv", [120], 1, 10, "Load"),
+        ("quoted-thousands/pull.csv", [1200], 1, 100, "Load"),
         ("side-by-side-unequal/pasco_runs.csv", PEAKS, 3, 100, "3 recordings"),
         ("side-by-side-unequal/vernier_runs.csv", PEAKS, 3, 100, "3 recordings"),
         ("unit-spellings/mark10.csv", [120], 1, 100, "Load [lbF]"),

@@ -43,25 +43,24 @@ def without_footer(text: Text, dialect: Dialect) -> Text:
 
     A footer is lines that begin with a word, where the data begin with a number.
     """
-    return text.part(0, _end_of_data(dialect, text))
+    start = text.start_of(dialect.rows.data_row)
+    return text.part(0, start + _end_of_data(dialect, text.data[start:], is_ended=text.is_ended))
 
 
-def _end_of_data(dialect: Dialect, text: Text) -> int:
+def _end_of_data(dialect: Dialect, data: bytes, *, is_ended: bool) -> int:
     """Return the byte at which the rows of data end."""
-    data, start = text.data, text.start_of(dialect.rows.data_row)
-    blank, ends = b" \t\n" + dialect.separator.encode(), [len(data)]  # of the last lines, backwards
-    while ends[-1] > start and len(ends) <= _MOST_FOOTER + 2:
-        ends.append(data.rfind(b"\n", start, ends[-1] - 1) + 1 or start)
-        if len(ends) == 2 and not data[ends[1] : ends[0]].strip(blank):
-            del ends[0]
-    is_ended = text.is_ended or ends[0] < len(data)
+    filled = data.find(b"\n", len(data.rstrip(b" \t\n" + dialect.separator.encode()))) + 1
+    data, is_ended = data[:filled], is_ended or filled < len(data)
+    ends = [len(data)]  # of the last lines, backwards
+    while ends[-1] and len(ends) <= _MOST_FOOTER + 2:
+        ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
     lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
     rows = [split_line(line, dialect.separator) for line in lines]
     data_rows = (at for at, row in enumerate(rows) if lines[at] and not _begins_with_word(row, dialect))
     footer = [at for at in range(next(data_rows, 0)) if lines[at]]
     if 0 < len(footer) <= _MOST_FOOTER:
-        said = "; ".join(lines[place] for place in reversed(footer))
-        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {said[:100]}")
+        text = "; ".join(lines[place] for place in reversed(footer))
+        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {text[:100]}")
         return ends[footer[-1] + 1]
     return ends[0] if is_ended or not _breaks_off(rows) else ends[1]
 

@@ -293,7 +293,7 @@ def _parse_rows(
     block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
 ) -> list[FloatArray]:
     """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
-    found, no_value = list[list[float]](), dialect.layout.no_value
+    found, no_value = [], dialect.layout.no_value
     for number, line in block.lines():
         if is_blank_line(line, dialect.separator):
             continue

@@ -18,7 +18,7 @@ _INTERVALS = frozenset((
 ))  # fmt: skip
 _BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
 """Words for the sampling rate, where the time is not given and no unit contradicts."""
-_UNIT_WORDS = frozenset(("unit", "units", "einheit", "einheiten"))
+UNIT_WORDS = frozenset(("unit", "units", "einheit", "einheiten"))
 _PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
 _FACT = re.compile(r"[#%*;!]*+\s*+([A-Za-zÀ-ÿ][^=:;,\t]{0,60})[=:](?!=)(.+)")
 _VALUE = re.compile(r"([+-]?\d++(?:[.,]\d++)?+)([^\d.,].*|)")
@@ -46,7 +46,7 @@ def facts_of(lines: Sequence[str], separator: str) -> Facts:
     for key, value in _facts(lines, separator):
         stem, of_key = split_unit_suffix(key)
         word, number = "".join(filter(str.isalpha, stem.lower())), _VALUE.fullmatch(value)
-        if word in _UNIT_WORDS:
+        if word in UNIT_WORDS:
             unit = unit or spelled_unit(value)
         elif number and word in _BARE_RATES:
             perhaps_Hz = perhaps_Hz or _in_si(number, of_key or "Hz", "Hz")

@@ -13,14 +13,19 @@ from itertools import pairwise
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
+from ropefric.files.head_facts import UNIT_WORDS
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
 from ropefric.files.text_table import (
     Dialect,
+    bare_unit,
     find_dialect,
+    is_unit,
     is_value,
     number_of,
+    unit_behind,
 )
 from ropefric.glossary import counted
+from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
 
@@ -106,6 +111,8 @@ def text_table(
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
+    pairs = zip(units, _units_in_cells(dialect, names), strict=True)
+    units = _with_unit_columns(text, dialect, names, [unit or behind for unit, behind in pairs])
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
@@ -125,6 +132,30 @@ def text_table(
         facts=dialect.facts,
         notes=dialect.notes,
     )
+
+
+def _units_in_cells(dialect: Dialect, names: Sequence[str]) -> list[str]:
+    """Return the unit behind the numbers of each column, "" for none, and where the head states another."""
+    found = [""] * len(names)
+    for at, (name, cell) in enumerate(zip(names, dialect.first_row, strict=False)):
+        stated = bare_unit("".join(dialect.units[at : at + 1])) or split_unit_suffix(name)[1]
+        unit = unit_behind(cell)
+        found[at] = unit if stated in ("", bare_unit(unit)) else ""
+    return found
+
+
+def _with_unit_columns(
+    text: Text, dialect: Dialect, names: Sequence[str], units: Sequence[str]
+) -> tuple[str, ...]:
+    """Return the units of columns, of which one may be written beside every value in a column of its own."""
+    found = [*units]
+    for at, (value, unit) in enumerate(pairwise(dialect.first_row[: len(names)])):
+        may_be = not any(names) or "".join(filter(str.isalpha, names[at + 1].lower())) in UNIT_WORDS
+        if may_be and not found[at] and is_value(value) and is_unit(unit):
+            rows = text.rows_from(dialect.rows.data_row, dialect.separator)
+            if all(row[at + 1 : at + 2] == [unit] for _, row in rows):
+                found[at] = unit
+    return tuple(found)
 
 
 def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, int]:
@@ -293,17 +324,18 @@ def _parse_rows(
     block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
 ) -> list[FloatArray]:
     """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
-    found, no_value = [], dialect.layout.no_value
+    found, no_value, in_cells = [], dialect.layout.no_value, _units_in_cells(dialect, names)
     for number, line in block.lines():
         if is_blank_line(line, dialect.separator):
             continue
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
+            cell = cell.removesuffix(in_cells[index]).rstrip()
             value = math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.thousands)
             if math.isinf(value):
                 name = names[index] if index < len(names) and names[index] else f"column {index + 1}"
-                raise bad_cell(cell, name, dialect.decimal, source, line=number, is_first=not found)
+                raise bad_cell(cell, name, dialect.decimal, source, line=number)
             row.append(value)
         found.append(row)
     table = np.array(found, dtype=np.float64).reshape(len(found), len(indices))

@@ -32,7 +32,11 @@ _TIME_WORDS = frozenset((
     "time_stamp", "timestamp", "laufzeit", "messzeit",
 ))  # fmt: skip
 _GROUPS = re.compile(rf"[+-]?\d+(?:[{''.join(THOUSANDS)}]\d+)+")
+_DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _BETWEEN_WORDS = re.compile(r"[\s_.\d]++")
+_NAMED_MISSING = frozenset(
+    ("na", "n/a", "#n/a", "null", "none", "-", "--", "---", "?", "missing", "error", "over", "ovl")
+)
 
 
 def is_time(name: str) -> bool:
@@ -272,28 +276,32 @@ class WordError(DataError):
     """A cell or column holds words where numbers are needed, not damaged numbers."""
 
 
-def bad_cell(
-    cell: str, name: str, decimal: str, source: Source, *, line: int | None, is_first: bool = False
-) -> DataError:
-    """Return the error for a cell that is no number; words in the first cell of a column are no damage."""
+def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
+    """Return the error for a cell that is no number, with a guess at what it is."""
     other = "," if decimal == "." else "."
-    shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    why, fix = f"cannot read {shown!r} as a number", "mend the cell"
+    why, fix = "", "mend or remove the cell, or list its text in [import] missing"
     if is_number(cell, decimal):
-        why += "; it is too large for a float"
+        why, fix = "it is too large for a float", "mend the cell"
+    elif cell.lower().lstrip("+-") in ("inf", "infinity", "∞"):
+        why = "an infinite value is no measurement"
     elif is_number(cell, other):
-        why += f"; it looks like a decimal {'comma' if other == ',' else 'point'}"
-        fix = f'[import] decimal = "{other}"'
+        mark = "comma" if other == "," else "point"
+        why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
+    elif unit := unit_behind(cell):
+        why, fix = f"it is in {unit}, other cells or the header are not", "write one unit, into the header"
     elif _GROUPS.fullmatch(cell):
         mark = next(mark for mark in THOUSANDS if mark in cell)
-        why, fix = f"{why}; it looks like a thousands separator", f'[import] thousands = "{mark}"'
-    elif unit := unit_behind(cell):
-        why, fix = f"{why}; it is in {unit}", "write numbers alone, and the unit into the header"
-    else:
-        fix = "mend or remove the cell, or list its text in [import] missing"
-        if is_first:
-            return WordError(why, code="RF102", path=source.shown, line=line, key=name, fix=fix)
-    return source.error(why, code="RF102", line=line, key=name, fix=fix)
+        why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'
+    elif cell.lower() in _NAMED_MISSING:
+        why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
+    elif _DATE.search(cell):
+        why = "it looks like a date or a clock"
+        fix = "export seconds since the start, or leave the column out and set [import] sampling_rate"
+    shown = cell if len(cell) <= 40 else cell[:37] + "..."
+    message = f"cannot read {shown!r} as a number"
+    if not why:
+        return WordError(message, code="RF102", path=source.shown, line=line, key=name, fix=fix)
+    return source.error(f"{message}; {why}", code="RF102", line=line, key=name, fix=fix)
 
 
 def stamp_column(cells: Iterable[tuple[int, str]], name: str, dialect: Dialect, source: Source) -> FloatArray:

@@ -12,7 +12,14 @@ FORCE_N = np.interp(TIME_S, [0, 1, 3, 3.05, 5.8], [0, 0, 80, 62, 61]) + 0.1 * np
 LBF_N, KGF_N = 4.4482216152605, 9.80665
 
 
+def clock(t):
+    return f"14:02:{t:06.3f}"
+
+
 FILES = {
+    "unit-in-a-column.csv": ("Sample Number,Tracking Value,Units,Elapsed Time\n",
+                             lambda i, t, f: f"{i},{f / LBF_N:.4f},lb,{clock(t)}", "lbf"),
+    "unit-behind-each-number.txt": ("ready\n", lambda i, t, f: f"{clock(t)} -> Force: {f:.3f} N", ""),
     "peak-and-low-beside.csv": ("Date,Time,Elapsed (s),Reading (lb),Peak (lb),Low (lb)\n",
                                 lambda i, t, f: f"03/07/2024,14:02:0{t:.0f},{t:.2f},{f / LBF_N:.4f},18.10,-0.10", "lbf"),
     "path-beside-a-rate.csv": ("Unit,N\nRecording Rate,100Hz\n\nNo,Force,Displacement\n",
@@ -40,6 +47,15 @@ def test_what_is_proposed_reads_the_force(tmp_path, name):
     assert high_N == pytest.approx(FORCE_N.max(), rel=1e-3)
     assert low_N == pytest.approx(FORCE_N.min(), abs=2e-3)
     assert read_recordings(path, found.profile)
+
+
+def test_a_column_of_flags_is_no_unit(tmp_path):
+    """N may be the answer of a limit switch: only a column that is called a unit, or has no name, holds one."""
+    path = tmp_path / "a.csv"
+    path.write_text(
+        "time_s,load,over\n" + "".join(f"{t:.2f},{f:.3f},N\n" for t, f in zip(TIME_S, FORCE_N, strict=True))
+    )
+    assert inspect_file(path).profile.channels["force"].unit == ""
 
 
 @pytest.mark.parametrize(

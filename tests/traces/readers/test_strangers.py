@@ -70,11 +70,23 @@ def test_a_labelled_row_of_counts_is_no_data(write):
 # --- cells ---
 
 
+def test_a_unit_behind_the_number_in_every_cell(write):
+    found = inspect_file(write("Time (s),Tension\n" + pull("{t},{f}.5 kN")))
+    assert seen(found)[1] == "1 recording of 40 samples, 25 Hz, 500 to 7.85e+04 N"
+    error = refused(
+        write("time_s,Tension\n0,1 kN\n1,200 N\n"),
+        channels={"time": Channel(column="time_s"), "force": Channel(column="Tension")},
+    )
+    assert (error.code, error.where) == ("RF102", "run:3 Tension")
+    found = inspect_file(write("Time (s),Pull [N]\n" + pull("{t},{f}.5 kN")))
+    assert ("cannot read '0.5 kN'" in " ".join(found.doubts), found.read) == (True, "")
+
+
 def test_a_column_that_breaks_off_says_where(write):
     rows = pull("{t};{f}").replace("1.00;50", "1.00;∞").replace("1.20;60", "1.20;OVL")
     found = inspect_file(write("Time (s);Channel A\n" + rows))
     assert found.stopped
-    assert any(":27" in doubt and "'∞'" in doubt for doubt in found.doubts)
+    assert any(":27" in doubt and "'∞'" in doubt and "infinite" in doubt for doubt in found.doubts)
     found = inspect_file(
         write("Time;Load\nms;N\n" + "".join(f"{i * 40:,};{i}\n".replace(",", "'") for i in range(40)))
     )

@@ -75,6 +75,7 @@ class TableLayout:
     missing: tuple[str, ...] = ()
     block_columns: int = 0
     block_names_row: int = 0
+    skip_footer: int = 0
     thousands: str = ""
     date_order: str = ""
 
@@ -214,7 +215,7 @@ def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
 
 def _check(layout: TableLayout) -> None:
     mark, after = layout.separator, layout.last_head_row
-    counts = ("units_row", "data_row", "block_names_row", "block_columns")
+    counts = ("units_row", "data_row", "block_names_row", "block_columns", "skip_footer")
     odd_mark = bool(mark) and (len(mark) != 1 or mark in _NO_SEPARATOR)
     refusals = (
         ("separator", odd_mark, 'use one character such as ";", "," or "\\t"; " " is any blanks'),

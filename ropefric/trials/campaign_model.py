@@ -320,7 +320,9 @@ _IMPORT = Table(
         "decimal": read.choice(lambda: ("", ".", ",")),
         "encoding": _encoding,
         "header_row": read.whole_number(-1),
-        **dict.fromkeys(("units_row", "data_row", "block_columns", "block_names_row"), read.whole_number(0)),
+        **dict.fromkeys(
+            ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), read.whole_number(0)
+        ),
         "date_order": read.choice(lambda: ("", *ORDERS)),
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],

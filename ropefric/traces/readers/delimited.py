@@ -32,7 +32,7 @@ from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
 _NEWLINE = 10
 _IS_BLANK = np.isin(np.arange(256), (9, _NEWLINE, 32))
 """Whether a byte is a tab, the end of a line or a blank."""
-_MOST_FOOTER = 20
+MOST_FOOTER = 20
 
 
 def open_text(source: Source, profile: ImportProfile, text: Text | None = None) -> tuple[Text, Dialect]:
@@ -46,7 +46,7 @@ def open_text(source: Source, profile: ImportProfile, text: Text | None = None) 
 def without_footer(text: Text, dialect: Dialect) -> Text:
     """Return a text without empty rows at its end, footer, and a last row that breaks off within a number.
 
-    A footer is lines that begin with a word, where the data begin with a number.
+    Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
     start = text.start_of(dialect.rows.data_row)
     return text.part(0, start + _end_of_data(dialect, text.data[start:], is_ended=text.is_ended))
@@ -56,21 +56,35 @@ def _end_of_data(dialect: Dialect, data: bytes, *, is_ended: bool) -> int:
     """Return the byte at which the rows of data end."""
     filled = data.find(b"\n", len(data.rstrip(b" \t\n" + dialect.separator.encode()))) + 1
     data, is_ended = data[:filled], is_ended or filled < len(data)
+    n_most = max(dialect.layout.skip_footer, MOST_FOOTER)
     ends = [len(data)]  # of the last lines, backwards
-    while ends[-1] and len(ends) <= _MOST_FOOTER + 2:
+    while ends[-1] and len(ends) <= n_most + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
     lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
     rows = [split_line(line, dialect.separator) for line in lines]
-    data_rows = (at for at, row in enumerate(rows) if lines[at] and not _begins_with_word(row, dialect))
-    footer = [at for at in range(next(data_rows, 0)) if lines[at]]
-    if 0 < len(footer) <= _MOST_FOOTER:
+    footer = _footer(lines, rows, dialect)
+    if 0 < len(footer) <= n_most:
         text = "; ".join(lines[place] for place in reversed(footer))
         dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {text[:100]}")
         return ends[footer[-1] + 1]
     return ends[0] if is_ended or not _breaks_off(rows) else ends[1]
 
 
-def _begins_with_word(cells: Sequence[str], dialect: Dialect) -> bool:
+def _footer(lines: Sequence[str], rows: Sequence[Sequence[str]], dialect: Dialect) -> list[int]:
+    """Return the places of the footer's lines among the last lines of a text, the last line first."""
+    n_footer = dialect.layout.skip_footer
+    footer: list[int] = []
+    for place, cells in enumerate(rows[:-1]):
+        if not lines[place]:
+            continue
+        is_footer = len(cells) != dialect.n_cells and begins_with_word(cells, dialect)
+        if len(footer) == n_footer if n_footer else not is_footer:
+            break
+        footer.append(place)
+    return footer
+
+
+def begins_with_word(cells: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a row begins with a word, where the first row of data does not."""
     word, first = "".join(cells[:1]), "".join(dialect.first_row[:1])
     is_number = word.lstrip("+-.,")[:1].isdigit()  # or was one before it was damaged
@@ -251,7 +265,7 @@ def _refuse_row(text: Text, line: int, n_found: int, *, n_cells: int, expected: 
     if n_found == 2 * n_cells and all(cell.lstrip("+-").isdigit() for cell in cells):
         fix = 'it looks like a decimal comma between comma-separated columns; export with ";" between columns'
     elif n_found < n_cells and is_last:
-        fix = "the last line looks cut off; remove it, or copy the file again"
+        fix = "the last line looks cut off; remove it, copy the file again, or set [import] skip_footer = 1"
     else:
         fix = (
             "mend the line; or, where the names are wrong, set [import] header_row = 0 and "

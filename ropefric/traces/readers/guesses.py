@@ -1,6 +1,7 @@
 """The layout of an unknown file: arrangement of its recordings, column of the time, column of the force."""
 
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.files.text import Text, split_line
 from ropefric.files.text_table import Dialect, is_number, is_unit
 from ropefric.quantities import split_unit_suffix
+from ropefric.traces.readers.delimited import MOST_FOOTER, begins_with_word
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.readers.several import blocks_of_header, stacked_parts
 from ropefric.traces.readers.table import Table, guess_channels, is_time
@@ -54,6 +56,8 @@ def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[Im
             return
         if long := _in_rows(seen, dialect, plain):
             yield long
+    if not plain.skip_footer and (n_footer := _footer_lines(text, dialect)):
+        yield replace(plain, skip_footer=n_footer)
     yield plain
     for header_row, units_row in _other_headers(text, dialect) if profile.header_row < 0 else ():
         yield replace(plain, header_row=header_row, units_row=units_row)
@@ -156,6 +160,13 @@ def _are_labels(cells: Sequence[str]) -> bool:
     """Return whether a few words, or whole numbers, fill a column, each of them many rows."""
     n = len(set(cells))
     return 1 < n <= min(_MOST_LABELS, len(cells) / _FEWEST_ROWS) and all(cells)
+
+
+def _footer_lines(text: Text, dialect: Dialect) -> int:
+    """Return how many of the last lines begin with a word, unlike the first row of data, and from there on all."""
+    rows = deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1)
+    data = [place for place, (_, row) in enumerate(rows) if not begins_with_word(row, dialect)]
+    return len(rows) - 1 - data[-1] if data else 0
 
 
 # --- what the columns of a table mean ---

@@ -12,7 +12,7 @@ _TEXTS = (
     *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order"),
     "recording_column",
 )
-_ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row")
+_ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -279,7 +279,7 @@ class WordError(DataError):
 def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
     """Return the error for a cell that is no number, with a guess at what it is."""
     other = "," if decimal == "." else "."
-    why, fix = "", "mend or remove the cell, or list its text in [import] missing"
+    why, fix = "", "mend or remove the cell, list its text in [import] missing, or skip_footer the last lines"
     if is_number(cell, decimal):
         why, fix = "it is too large for a float", "mend the cell"
     elif cell.lower().lstrip("+-") in ("inf", "infinity", "∞"):

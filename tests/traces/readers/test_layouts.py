@@ -229,6 +229,7 @@ def test_two_signals_of_a_german_logger_are_proposed_with_what_is_missing(write)
         "force": Channel(column="Zugkraft [mV]", unit="mV"),
         "end_tension": Channel(column="Gegenkraft [mV]", unit="mV"),
     }
+    assert found.profile.skip_footer == 2
     assert "1 recording of 400 samples, 100 Hz, 0 to 4.8 mV" in found.read
     assert any('sensitivity = "25 N/mV"' in doubt for doubt in found.doubts)
     assert any("column 3 looks like a measured end tension" in doubt for doubt in found.doubts)

@@ -45,7 +45,7 @@ def test_stamps_of_whole_seconds_are_spread(write):
 
 
 def test_a_time_stamp_that_is_none_is_told_by_its_line(write):
-    error = refused(write("time,force_N\n10:00:00,1\nnoon,2\n10:00:02,3\n"))
+    error = refused(write("time,force_N\n10:00:00,1\nnoon,2\n"))
     assert (error.code, error.where) == ("RF104", "run:3 time")
     assert "'noon'" in str(error)
 
@@ -64,14 +64,7 @@ HEAD = "time_s,force_N\n"
 
 
 @pytest.mark.parametrize(
-    "footer",
-    [
-        "End of test\n",
-        "\nMaximum:,29,N\nOperator: Smith\n",
-        "# done",
-        "***END***,,\n\n\n",
-        "Maximum,29\nMean,14.5\n",
-    ],
+    "footer", ["End of test\n", "\nMaximum:,29,N\nOperator: Smith\n", "# done", "***END***,,\n\n\n"]
 )
 def test_lines_of_words_at_the_end_are_a_footer_and_are_told(write, footer):
     path = write(HEAD + ROWS + footer)
@@ -80,6 +73,17 @@ def test_lines_of_words_at_the_end_are_a_footer_and_are_told(write, footer):
     (note,) = [note for note in trace.notes if "left out at the end" in note]
     assert footer.strip().splitlines()[0].strip() in note
     assert inspect_file(path).notes == (note,)
+
+
+def test_a_footer_that_looks_like_a_row_is_skipped_by_its_key(write):
+    path = write(HEAD + ROWS + "Maximum,29\nMean,14.5\n")
+    assert refused(path).code == "RF102"
+    assert "skip_footer" in refused(path).fix
+    trace = read(path, skip_footer=2)
+    assert trace.force_N.size == 30
+    assert any(
+        "2 lines without data left out at the end: Maximum,29; Mean,14.5" in note for note in trace.notes
+    )
 
 
 @pytest.mark.parametrize("end", ["3.0\n", "3.0", "3.0,1,2\n", "3.0,1\nfoo\n3.1,2\n"])

@@ -328,7 +328,7 @@ _IMPORT = Table(
         "missing": tuple[Text, ...],
         "table": read.text,
         "thousands": read.choice(lambda: ("", *THOUSANDS)),
-        "recording_column": _column,
+        **dict.fromkeys(("recording_column", "channel_column", "value_column"), _column),
         "channels": dict[str, Annotated[Channel, PlainValidator(_channel)]],
         "constants": dict[str, Annotated[float, PlainValidator(read.any_quantity)]],
         "derived": dict[str, Text],

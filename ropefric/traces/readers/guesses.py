@@ -7,10 +7,11 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.text import Text, split_line
-from ropefric.files.text_table import Dialect, is_number, is_unit
+from ropefric.files.text_table import Dialect, is_number, is_unit, is_value
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.delimited import MOST_FOOTER, begins_with_word
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -40,29 +41,31 @@ Values = Sequence[FloatArray | None]
 # --- how recordings stand in a text ---
 
 
-def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[ImportProfile]:
-    """Yield the profiles that a text may be read by.
+def layouts(
+    text: Text, dialect: Dialect, profile: ImportProfile
+) -> Iterator[tuple[ImportProfile, list[str]]]:
+    """Yield the profiles that a text may be read by, and what each assumes.
 
     First those of several recordings that it shows, then one of a table, with other rows as its header, or none.
     """
     plain = replace(profile, **dialect.rows._asdict())
     if profile.format == "auto" and not profile.block_columns:
         if wide := _side_by_side(text, dialect, profile):
-            yield wide
+            yield wide, []
             return
         seen = text.part(0, text.data.rfind(b"\n", 0, _SEEN_BYTES) + 1)
         if dialect.rows.header_row and len(stacked_parts(seen, dialect)) > 1:
-            yield replace(plain, format="stacked")
+            yield replace(plain, format="stacked"), []
             return
         if long := _in_rows(seen, dialect, plain):
             yield long
     if not plain.skip_footer and (n_footer := _footer_lines(text, dialect)):
-        yield replace(plain, skip_footer=n_footer)
-    yield plain
+        yield replace(plain, skip_footer=n_footer), []
+    yield plain, []
     for header_row, units_row in _other_headers(text, dialect) if profile.header_row < 0 else ():
-        yield replace(plain, header_row=header_row, units_row=units_row)
+        yield replace(plain, header_row=header_row, units_row=units_row), []
     if dialect.rows.header_row:
-        yield replace(plain, header_row=0, units_row=0)
+        yield replace(plain, header_row=0, units_row=0), []
 
 
 def _other_headers(text: Text, dialect: Dialect) -> Iterator[tuple[int, int]]:
@@ -125,15 +128,34 @@ def _steps(cells: Sequence[str], n: int) -> int:
     return step if step > 1 and n % step == 0 and filled == list(range(0, n, step)) else 0
 
 
-def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfile | None:
-    """Return the profile of a table whose rows belong to recordings that a column names."""
+def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> tuple[ImportProfile, list[str]] | None:
+    """Return the profile of a table whose rows belong to recordings, or channels, that a column names.
+
+    Channels need the unit of the time, which is assumed where the file does not state it.
+    """
     columns = _whole_columns(text, dialect)
-    back = np.diff(_clock_of(dialect, columns)) < 0
-    labels = {i: np.array(cells) for i, cells in enumerate(columns) if back.any() and _are_labels(cells)}
-    for index, of in labels.items():
-        if not (back & (of[1:] == of[:-1])).any():
-            return replace(plain, format="long", recording_column=_named(dialect, index))
-    return None
+    time, clock = _clock_of(dialect, columns)
+    if time < 0:
+        return None
+    labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
+    back = np.diff(clock) < 0
+    found: dict[str, Any] = {}
+    doubts: list[str] = []
+    channel, value = _channel_and_value(columns, labels, time, clock)
+    if channel >= 0:
+        found = {f"{key}_column": _named(dialect, at) for key, at in (("channel", channel), ("value", value))}
+        back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
+        if not plain.channels and not _states_unit(dialect, time):
+            unit = _assumed_unit(np.unique(clock), doubts)
+            found["channels"] = {"time": Channel(column=_named(dialect, time), unit=unit)}
+    recordings = [i for i, of in labels.items() if not (back & _stays(of)).any()] if back.any() else []
+    if recordings:
+        found["recording_column"] = _named(dialect, recordings[0])
+    return (replace(plain, format="long", **found), doubts) if found else None
+
+
+def _states_unit(dialect: Dialect, index: int) -> bool:
+    return any(dialect.units[index : index + 1]) or bool(split_unit_suffix(dialect.header[index])[1])
 
 
 def _named(dialect: Dialect, index: int) -> str | int:
@@ -148,18 +170,41 @@ def _whole_columns(text: Text, dialect: Dialect) -> list[tuple[str, ...]]:
     return [*zip(*(row for _, row in rows if len(row) == dialect.n_cells), strict=True)]
 
 
-def _clock_of(dialect: Dialect, columns: Sequence[Sequence[str]]) -> FloatArray:
-    """Return the numbers of the first column that is called a time, none where there is none."""
+def _channel_and_value(
+    columns: Sequence[Sequence[str]], labels: Mapping[int, NDArray[np.str_]], time: int, clock: FloatArray
+) -> tuple[int, int]:
+    """Return the column that names channels and the only one that holds their values; -1 where there are no such."""
+    values = [i for i in range(len(columns)) if i not in {time, *labels} and all(map(is_value, columns[i]))]
+    channels = [i for i, of in labels.items() if _names_channels(of, clock)]
+    return (channels[0], values[0]) if channels and len(values) == 1 else (-1, -1)
+
+
+def _clock_of(dialect: Dialect, columns: Sequence[Sequence[str]]) -> tuple[int, FloatArray]:
+    """Return the first column that is called a time and its numbers; -1 where there is none."""
     time = next((i for i, name in enumerate(dialect.header[: len(columns)]) if is_time(name)), -1)
     if time < 0 or not all(is_number(cell, dialect.decimal) for cell in columns[time]):
-        return np.empty(0)
-    return np.array([float(cell.replace(",", ".")) for cell in columns[time]])
+        return -1, np.empty(0)
+    return time, np.array([float(cell.replace(",", ".")) for cell in columns[time]])
+
+
+def _stays(of: NDArray[np.str_]) -> BoolArray:
+    return np.asarray(of[1:] == of[:-1])
 
 
 def _are_labels(cells: Sequence[str]) -> bool:
     """Return whether a few words, or whole numbers, fill a column, each of them many rows."""
     n = len(set(cells))
     return 1 < n <= min(_MOST_LABELS, len(cells) / _FEWEST_ROWS) and all(cells)
+
+
+def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
+    """Return whether labels name channels: words that alternate, or name a side, over times that rise in each."""
+    words = [str(word) for word in np.unique(of)]
+    if any(map(is_value, words)):
+        return False
+    n_back = sum(int((np.diff(clock[of == word]) < 0).sum()) for word in words)
+    alternate = not _stays(of).mean() > 0.5 or any(map(_side, words))
+    return alternate and n_back <= len(words)
 
 
 def _footer_lines(text: Text, dialect: Dialect) -> int:

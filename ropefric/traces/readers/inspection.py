@@ -115,7 +115,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
         text, dialect = open_text(source, profile)
     found: list[Inspection] = []
     errors: list[DataError] = []
-    for layout in layouts(text, dialect, profile):
+    for layout, assumed in layouts(text, dialect, profile):
         if found and dialect.rows.header_row and not layout.header_row:
             break  # a header that opens is not left out: it may contradict the cells
         reader = find_reader(
@@ -145,7 +145,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
                 thousands=dialect.thousands,
                 encoding="" if text.encoding in {"utf-8", "utf-8-sig"} else text.encoding,
             ),
-            doubts=(*doubts, *map(str, errors)),
+            doubts=(*doubts, *map(str, errors), *assumed),
         )
         found.append(_tried(_summarise(seen, tables), source))
         if not found[-1].stopped:
@@ -259,7 +259,7 @@ def _clock(
     """Return sampling rate, whether the steps are even, and the error of the clock."""
     try:
         time_s = _clock_s(table, channels)
-        if "time" in channels:
+        if "time" in channels and not table.brings_time:
             index, unit = index_of(table, channels["time"]), unit_of(table, channels["time"])
             array = values[index] if index is not None else None
             time_s = array * si_scale("time", unit)[0] if array is not None and unit else None

@@ -10,7 +10,7 @@ from ropefric.files.toml_edit import toml_key, toml_value
 
 _TEXTS = (
     *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order"),
-    "recording_column",
+    *("recording_column", "channel_column", "value_column"),
 )
 _ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")
 
@@ -42,6 +42,8 @@ class ImportProfile(TableLayout):
     derived: Mapping[str, str] = field(default_factory=dict)
     table: str = ""
     recording_column: str | int = ""
+    channel_column: str | int = ""
+    value_column: str | int = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

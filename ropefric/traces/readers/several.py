@@ -1,24 +1,26 @@
-"""Text with several recordings: side by side ("wide"), one below the other ("stacked"), or in labelled rows ("long").
+"""Text with several recordings: side by side ("wide"), one below the other ("stacked"), or mixed in rows ("long").
 
 Each is recognised by its repetition: names of columns beside each other, the header below the data, the words of a
 column that labels rows.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError
 from ropefric.files.text import Source, Text, split_line
 from ropefric.files.text_table import Dialect, HeadRows, is_value
+from ropefric.quantities import unit_factor
 from ropefric.traces.readers.delimited import ends_empty, open_text, text_table, without_footer
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table
+from ropefric.traces.readers.table import Reader, Table, is_time
 
 _DIGITS = re.compile(r"\d+")
 _MARKS = " \t:;,.-_/|#"
@@ -217,29 +219,82 @@ def _part_table(text: Text, dialect: Dialect, part: Part) -> Table:
 
 
 def _long_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    """Return one table for each word of the column that names recordings."""
+    """Return one table for each word of the column that names recordings, with the channels that a column names."""
     text, dialect = open_text(source, profile)
-    whole, key = text_table(text, dialect), "[import] recording_column"
-    if not profile.recording_column:
-        why, fix = "format 'long' needs a column that names recordings", 'set it, such as "specimen"'
-        raise source.error(why, code="RF105", key=key, fix=fix)
-    index = whole.find(profile.recording_column, source, key)
-    rows = text.rows_from(dialect.rows.data_row, dialect.separator)
-    recordings = np.array([row[index] if index < len(row) else "" for _, row in rows])
-    loaded = lru_cache(maxsize=None)(lambda index: whole.values([index])[0])
-
-    def values(sample: str, indices: Sequence[int]) -> list[FloatArray]:
-        return [loaded(index)[recordings == sample] for index in indices]
-
-    samples = [*dict.fromkeys(recordings.tolist())]
-    return tuple(
-        replace(
-            whole,
-            sample=sample if len(samples) > 1 else "",
-            first_line=0,
-            values=partial(values, sample),
+    whole = text_table(text, dialect)
+    recording, channel, value = (
+        whole.find(wanted, source, f"[import] {key}_column") if wanted else -1
+        for key, wanted in (
+            ("recording", profile.recording_column),
+            ("channel", profile.channel_column),
+            ("value", profile.value_column),
         )
-        for sample in samples
+    )
+    if max(recording, channel) < 0 or (channel >= 0) != (value >= 0):
+        why = "format 'long' needs a column that names recordings, or one that names channels and one of their values"
+        fix = 'set [import] recording_column = "specimen", or channel_column = "channel" and value_column = "value"'
+        raise source.error(why, code="RF105", key="[import] format", fix=fix)
+    recordings, channels = _cells_of(text, dialect, (recording, channel))
+    loaded = lru_cache(maxsize=None)(lambda index: whole.values([index])[0])
+    samples = [*dict.fromkeys(recordings.tolist())]
+    tables = []
+    for sample in samples:
+        here = recordings == sample
+        table = replace(whole, sample=sample if len(samples) > 1 else "", first_line=0)
+        if channel < 0:
+            tables.append(replace(table, values=partial(_rows_of, loaded, here)))
+            continue
+        names = tuple(dict.fromkeys(channels[here].tolist()))
+        masks = [here & (channels == name) for name in names]
+        tables.append(_pivoted(table, names, masks, (value, *_time_of(whole, profile, source)), loaded))
+    return tuple(tables)
+
+
+def _cells_of(text: Text, dialect: Dialect, indices: Sequence[int]) -> list[np.ndarray[Any, Any]]:
+    """Return the texts of columns, row by row; empty ones for a column -1, and where a row is too short."""
+    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
+    return [np.array([row[i] if 0 <= i < len(row) else "" for row in rows]) for i in indices]
+
+
+def _rows_of(
+    loaded: Callable[[int], FloatArray], here: BoolArray, indices: Sequence[int]
+) -> list[FloatArray]:
+    return [loaded(index)[here] for index in indices]
+
+
+def _time_of(whole: Table, profile: ImportProfile, source: Source) -> tuple[int, float]:
+    """Return the column of the time of a long table, and the seconds of its unit."""
+    given = profile.channels.get("time")
+    index = whole.find(given.column, source, "[import.channels] time") if given else -1
+    if index < 0:
+        index = next((i for i, name in enumerate(whole.names) if is_time(name)), -1)
+    unit = given.unit if given else ""
+    if index >= 0:
+        unit = "s" if index in whole.stamps else unit or whole.unit(index)
+    try:
+        return index, unit_factor(unit, "s", name="time")
+    except InputError:
+        why, fix = "no column is the time, with its unit", 'name it: time = { column = "t", unit = "s" }'
+        raise source.error(why, code="RF105", key="[import.channels] time", fix=fix) from None
+
+
+def _pivoted(
+    table: Table,
+    names: tuple[str, ...],
+    masks: Sequence[BoolArray],
+    at: tuple[int, int, float],
+    loaded: Callable[[int], FloatArray],
+) -> Table:
+    """Return a table whose columns are the channels that a column of a long one names, each with its own clock."""
+    value, time, second_s = at
+    return replace(
+        table,
+        names=names,
+        stamps=frozenset(),
+        units=(table.unit(value),) * len(names),
+        values=lambda indices: [loaded(value)[masks[index]] for index in indices],
+        clock=lambda index: loaded(time)[masks[index]] * second_s,
+        brings_time=True,
     )
 
 
@@ -258,6 +313,6 @@ STACKED = Reader(
 LONG = Reader(
     name="long",
     suffixes=(),
-    description="text with many recordings in rows, distinguished by recording_column",
+    description="text with many recordings or channels in rows, distinguished by recording_column or channel_column",
     tables=_long_tables,
 )

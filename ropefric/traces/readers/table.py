@@ -51,8 +51,8 @@ class Table:
     """One table of a file, one recording: its columns' names and units, and a way to their values.
 
     `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time
-    [s] that a column brings with it; `facts` are what the head of the file states; `notes` say what was recognised,
-    some only after the values were read.
+    [s] that a column brings with it, the only one where the table `brings_time`; `facts` are what
+    the head of the file states; `notes` say what was recognised, some only after the values were read.
     """
 
     names: tuple[str, ...]
@@ -62,6 +62,7 @@ class Table:
     first_line: int = 0
     stamps: frozenset[int] = frozenset()
     clock: Callable[[int], FloatArray | None] | None = None
+    brings_time: bool = False
     facts: Facts = NO_FACTS
     notes: list[str] = field(default_factory=list)
 
@@ -249,6 +250,8 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
             raise source.error(why, code="RF105", key="[import.channels]", fix=fix)
     picks = {}
     for name, channel in channels.items():
+        if name == "time" and table.brings_time:
+            continue
         index = table.find(channel.column, source, f"[import.channels] {name}")
         if name in {"counts", "end_tension_counts"}:
             unit = ""

@@ -1,12 +1,12 @@
 """Every layout comes in: what `inspect` proposes of an unknown file reads it, and it says so, or what stops it."""
 
 import datetime as dt
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from reading import read, refused
 
-from ropefric import find_breakaway
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
@@ -129,24 +129,34 @@ def test_the_names_of_recordings_are_those_above_them(write):
     assert inspect_file(write(SEVERAL["Shimadzu"][0])).samples == ("1 _ 1", "1 _ 2", "1 _ 3")
 
 
-def test_channels_in_rows_are_no_force(write):
-    (time_s, force_N), n = PULLS[0], 300
-    rows = [
-        (t, name, f) for t, f in zip(time_s, force_N, strict=True) for name, f in (("A", f), ("B", 20 + t))
-    ]
-    head = "time_s,channel,force_N\n"
-    path = write(head + "".join(f"{t:.3f},{name},{value:.3f}\n" for t, name, value in rows))
-    assert "several signals are interleaved" in find_breakaway(path, rest="zero").detail
-    rows.sort(key=lambda row: row[1])
-    found, traces = proposed(write(head + "".join(f"{t:.3f},{name},{f:.3f}\n" for t, name, f in rows)))
-    assert (found.samples, [trace.force_N.size for trace in traces]) == (("A", "B"), [n, n])
+@pytest.mark.parametrize("order", ["alternating", "below each other"])
+def test_a_long_table_of_channels_has_a_clock_for_each(write, order):
+    (time_s, force_N), slow_s = PULLS[0], np.arange(0, 3, 0.05) + 0.003
+    rows = [(t, "F_A", f) for t, f in zip(time_s, force_N, strict=True)]
+    rows += [(t, "F_B", 20 + t) for t in slow_s]
+    rows = sorted(rows) if order == "alternating" else rows
+    text = "time_s,channel,value\n" + "".join(f"{t:.3f},{name},{value:.3f}\n" for t, name, value in rows)
+    path = write(text)
+    found = inspect_file(path).profile
+    assert (found.format, found.channel_column, found.value_column) == ("long", "channel", "value")
+    channels = {"time": Channel(column="time_s"), "force": Channel(column="F_A", unit="N")}
+    channels["end_tension"] = Channel(column="F_B", unit="N")
+    profile = replace(found, channels=channels)
+    (trace,) = (assemble_trace(raw, profile) for raw in read_recordings(path, profile))
+    assert (trace.force_N.size, np.nanmax(trace.force_N)) == (300, pytest.approx(PEAKS[0]))
+    there = np.isfinite(trace.end_tension_N)
+    np.testing.assert_allclose(trace.end_tension_N[there], 20 + trace.time_s[there], atol=0.006)
 
 
 def test_a_layout_that_a_text_does_not_have_is_refused(write):
     long = write("specimen,t,F\na,0,1\nb,1,2\n")
+    names = {"recording_column": "specimen", "format": "long"}
+    channel = {"channel_column": "specimen", "value_column": "F", "format": "long"}
     for more, code, words in (
         ({"format": "stacked", "header_row": 0}, "RF103", "no header that comes again"),
         ({"format": "long"}, "RF105", "needs a column that names recordings"),
+        (names | {"channel_column": "F"}, "RF105", "and one of their values"),
+        (channel, "RF105", "no column is the time, with its unit"),
     ):
         error = refused(long, **more)
         assert error.code == code

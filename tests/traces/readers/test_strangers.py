@@ -160,6 +160,24 @@ def test_a_strain_that_rises_is_no_time(write):
     )
 
 
+def test_channels_in_rows_whose_time_has_no_unit(write):
+    rows = "".join(
+        f"{1736440328.5 + i / 25:.3f},{side},{i + k}\n"
+        for i in range(40)
+        for k, side in enumerate(("top", "slack"))
+    )
+    found = inspect_file(write("Unix Timestamp,Position,Value [N]\n" + rows))
+    assert seen(found) == (
+        {"time": "Unix Timestamp", "force": "top", "end_tension": "slack"},
+        PULL.replace("78", "39"),
+    )
+    assert (found.format, found.sampling_rate_Hz) == ("long", 25)
+    assert any(
+        "does not state the unit of the time; s is taken, as that makes 25 Hz" in doubt
+        for doubt in found.doubts
+    )
+
+
 def test_the_indices_that_pytables_writes_are_no_recordings(tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "run.h5", "w") as file:

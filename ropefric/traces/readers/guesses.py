@@ -24,7 +24,7 @@ _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", 
 """Parts of names that show on which side of the wheel a force was measured, the slack one first."""
 _MOST_LABELS, _FEWEST_ROWS = 64, 10
 """A column that labels rows has at most this many words, and each occurs in at least this many rows."""
-_SEEN_BYTES = 2 * 2**20
+_SEEN_BYTES = 8 * 2**20
 """Several recordings are looked for in this much of a text."""
 _LONGEST_S = 4 * 3600.0
 _EVEN = 0.1

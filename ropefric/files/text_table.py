@@ -8,11 +8,9 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, date, datetime, timedelta
-from functools import lru_cache
+from datetime import date
 from itertools import islice, repeat
 from typing import NamedTuple
-from zoneinfo import ZoneInfo
 
 import numpy as np
 
@@ -80,7 +78,6 @@ class TableLayout:
     skip_footer: int = 0
     thousands: str = ""
     date_order: str = ""
-    time_zone: str = ""
 
     @property
     def no_value(self) -> frozenset[str]:
@@ -453,9 +450,10 @@ _STAMP = re.compile(
     r"(?:\s*+(?P<half>[AaPp])\.?[Mm]\.?)?(?:\s*+(?P<zone>Z|UTC|GMT|[+-]\d\d(?::?\d\d)?))?",
     re.ASCII,
 )
-_DAY_S = 86400
-_PS = 10**12
-_HOUR_BACK_S = (3000, 3600)  # a step back of an hour, less the time that passed
+_S = 10**9
+_DAY = 86400 * _S
+"""In nanoseconds."""
+_HOUR_BACK = (3000 * _S, 3600 * _S)  # a step back of an hour, less the time that passed
 
 _Refuse = Callable[[int, str, str], DataError]
 _Stamp = re.Match[str]
@@ -470,13 +468,13 @@ def is_stamp(text: str) -> bool:
 
 
 def read_stamps(
-    cells: Iterable[tuple[int, str]], *, order: str, zone: str, no_value: Iterable[str], refuse: _Refuse
+    cells: Iterable[tuple[int, str]], *, order: str, no_value: Iterable[str], refuse: _Refuse
 ) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return the seconds from the first stamp of a column on, by whole picoseconds, and how they were understood.
+    """Return the seconds from the first stamp of a column on, by whole nanoseconds, and how they were understood.
 
-    Stamps with a zone count in UTC. Without one they are local times of `zone`, or, where none is named, of a clock
-    that nobody sets; one that goes back by an hour is refused. Without a date, a fall by more than twelve hours is
-    midnight. A date whose order only the writer can know is refused.
+    Stamps with a zone count in UTC. Those without are of a clock that nobody sets; one that goes back by an hour is
+    refused. Without a date, a fall by more than twelve hours is midnight. A date whose order only the writer can know
+    is refused.
     """
     rows = list(cells)
     stamps = _stamps_by_place(rows, frozenset(no_value), refuse)
@@ -488,14 +486,21 @@ def read_stamps(
     for at, match in stamps.items() if first["date"] else ():
         dates.setdefault(match["date"], rows[at][0])
     order = _order(dates, order, refuse)
-    days, clock = _days(dates, order, refuse), _Clock(_place(zone))
-    counts_ps = [clock.count_ps(match, rows[at][0], days, refuse) for at, match in stamps.items()]
-    seconds[list(stamps)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
+    days, counts, n_midnights = _days(dates, order, refuse), list[int](), 0
+    for at, match in stamps.items():
+        count = days.get(match["date"], n_midnights) * _DAY + _since_midnight(match, rows[at][0], refuse)
+        back = counts[-1] - count if counts else 0
+        if dates and not match["zone"] and _HOUR_BACK[0] <= back <= _HOUR_BACK[1]:
+            why = f"the clock goes back by an hour to {match[0]!r}: summer time ended"
+            raise refuse(rows[at][0], why, "export times in UTC, or seconds since the start")
+        if not dates and back > _DAY // 2:
+            n_midnights += 1
+            count += _DAY
+        counts.append(count)
+    seconds[list(stamps)] = [(count - counts[0]) / _S for count in counts]
     facts = [ORDERS[order] if dates else "without a date"]
-    if clock.place and not first["zone"]:
-        facts.append(f"local time of {zone}")
-    if clock.n_midnights:
-        facts.append(f"past midnight {clock.n_midnights} times")
+    if n_midnights:
+        facts.append(f"past midnight {n_midnights} times")
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
 
 
@@ -519,51 +524,6 @@ def _stamps_by_place(
 def _form(match: _Stamp) -> tuple[bool, bool]:
     """Return whether a stamp has a date, and a zone."""
     return match["date"] is not None, match["zone"] is not None
-
-
-@dataclass(slots=True)
-class _Clock:
-    """State of reading a column of times: the offset of the clock, and its last value."""
-
-    place: ZoneInfo | None
-    last_ps: int | None = None
-    n_midnights: int = 0
-
-    def _went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
-        """Return whether a clock of no known place was set back since the last stamp."""
-        if self.place or self.last_ps is None or match["zone"] or not match["date"]:
-            return False
-        return _HOUR_BACK_S[0] <= self.last_ps // _PS - at_s <= _HOUR_BACK_S[1]
-
-    def count_ps(self, match: _Stamp, line: int, days: Mapping[str, int], refuse: _Refuse) -> int:
-        """Return the picoseconds of a stamp on one scale with those before it."""
-        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
-        if self._went_back_an_hour(match, at_s):
-            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
-            raise refuse(line, f"the clock goes back by an hour to {match[0]!r}: summer time ended", fix)
-        part_ps = int((match["part"] or "").ljust(12, "0")[:12])
-        if match["zone"]:
-            at_s -= _offset_s(match["zone"])
-        elif match["date"] and self.place:
-            early_s, late_s = _offsets_s(at_s // 900 * 900, self.place)
-            # The hour that the end of summer time repeats comes again.
-            again = self.last_ps is not None and (at_s - early_s) * _PS + part_ps < self.last_ps
-            at_s -= late_s if again else early_s
-        elif not match["date"]:
-            at_s += self.n_midnights * _DAY_S
-            if self.last_ps is not None and self.last_ps // _PS - at_s > _DAY_S // 2:
-                self.n_midnights += 1
-                at_s += _DAY_S
-        self.last_ps = at_s * _PS + part_ps
-        return self.last_ps
-
-
-def _place(zone: str) -> ZoneInfo | None:
-    try:
-        return ZoneInfo(zone) if zone else None
-    except (LookupError, ValueError, OSError):
-        fix = 'write it like "Europe/Berlin"'
-        raise InputError(f"there is no time zone {zone!r}", key="[import] time_zone", fix=fix) from None
 
 
 def _order(lines: Mapping[str, int], stated: str, refuse: _Refuse) -> str:
@@ -595,26 +555,15 @@ def _days(lines: Mapping[str, int], order: str, refuse: _Refuse) -> dict[str, in
     return days
 
 
-def _second_of_day(match: _Stamp, line: int, refuse: _Refuse) -> int:
-    hour, half = int(match["hour"]), (match["half"] or "").lower()
+def _since_midnight(match: _Stamp, line: int, refuse: _Refuse) -> int:
+    """Return the time of day of a stamp in nanoseconds, less the offset of its zone."""
+    hour, half, zone = int(match["hour"]), (match["half"] or "").lower(), match["zone"] or ""
     if half:
         hour = hour % 12 + 12 * (half == "p") if 1 <= hour <= 12 else 99
     if hour > 23 and (half or match["date"]):
         raise refuse(line, f"there is no such hour as in {match[0]!r}", "mend the cell")
-    return hour * 3600 + int(match["minute"]) * 60 + int(match["second"] or 0)
-
-
-def _offset_s(zone: str) -> int:
-    if zone[0] not in "+-":
-        return 0
-    digits = zone[1:].replace(":", "").ljust(4, "0")
-    return (int(digits[:2]) * 3600 + int(digits[2:]) * 60) * (-1 if zone[0] == "-" else 1)
-
-
-@lru_cache(maxsize=1024)
-def _offsets_s(at_s: int, place: ZoneInfo) -> tuple[int, int]:
-    """Return how far a local time is ahead of UTC, where it comes first and where it comes again."""
-    local = datetime(1, 1, 1, tzinfo=UTC) + timedelta(seconds=at_s - _DAY_S)
-    both = (local.replace(tzinfo=place, fold=fold).utcoffset() or timedelta() for fold in (0, 1))
-    early, late = (int(offset.total_seconds()) for offset in both)
-    return early, late
+    minute = hour * 60 + int(match["minute"])
+    if zone[:1] in ("+", "-"):
+        digits = zone[1:].replace(":", "").ljust(4, "0")
+        minute -= int(zone[0] + "1") * (int(digits[:2]) * 60 + int(digits[2:]))
+    return (minute * 60 + int(match["second"] or 0)) * _S + int((match["part"] or "").ljust(9, "0")[:9])

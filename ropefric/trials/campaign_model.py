@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
-from zoneinfo import available_timezones
 
 from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
@@ -288,7 +287,6 @@ _IMPORT = Table(
             ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), read.whole_number(0)
         ),
         "date_order": read.choice(lambda: ("", *ORDERS)),
-        "time_zone": read.choice(available_timezones),
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],
         "table": read.text,

@@ -248,7 +248,7 @@ def _text(source: Source) -> tuple[str, str]:
         return sheet_as_csv(source)
     if source.path.suffix.lower() == ".parquet":
         return parquet_as_csv(source.raw_bytes(), source.shown), ""
-    return load_text(source).whole().data.decode(), ""
+    return load_text(source).data.decode(), ""
 
 
 def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None:

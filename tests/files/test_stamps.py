@@ -1,11 +1,8 @@
 """Text time stamps: what each way of writing means in seconds, and what is refused."""
 
-from datetime import datetime, timedelta
-from zoneinfo import ZoneInfo
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
@@ -16,9 +13,8 @@ def refuse(line, why, fix):
     return DataError(why, line=line, fix=fix)
 
 
-def seconds(*texts, order="", zone=""):
-    found, notes = read_stamps(enumerate(texts, start=2), order=order, zone=zone, no_value=("", "--"),
-        refuse=refuse)  # fmt: skip
+def seconds(*texts, order=""):
+    found, notes = read_stamps(enumerate(texts, start=2), order=order, no_value=("", "--"), refuse=refuse)  # fmt: skip
     return found.tolist(), notes[0] if notes else ""
 
 
@@ -36,7 +32,7 @@ def test_ways_of_writing():
         ("3/25/2024 11:59:59.5 AM", "3/25/2024 12:00:00 PM", 0.5, mdy),
         ("3/25/2024 12:00:00 AM", "3/25/2024 1:00:00 AM", 3600, mdy),
         ("14:33:21.25", "14:33:21.5", 0.25, "without a date"),
-        ("09:51:39.1970510124996275989", "09:51:39.1970510124997", 2.0e-13, "without a date"),
+        ("09:51:39.1970510124996275989", "09:51:39.1970510154", 3.0e-9, "without a date"),
         ("2024-03-31T01:59:59+01:00", "2024-03-31T03:00:00+02:00", 1, ymd),
         ("2024-03-05 10:00:00 -0330", "2024-03-05 10:00:01 -0330", 1, ymd),
     ):
@@ -62,18 +58,10 @@ def test_midnight_is_passed_as_often_as_the_clock_falls():
 
 
 def test_the_hour_that_the_end_of_summer_time_repeats():
-    texts = ("27.10.2024 02:59:59", "27.10.2024 02:00:00", "27.10.2024 02:59:59", "27.10.2024 03:00:00")
-    assert seconds(*texts, zone="Europe/Berlin")[0] == [0, 1, 3600, 3601]
     with pytest.raises(DataError, match="summer time ended") as caught:
-        seconds(*texts)
+        seconds("27.10.2024 02:59:59", "27.10.2024 02:00:00", "27.10.2024 02:59:59")
     assert caught.value.problem.line == 3
-    assert "time_zone" in caught.value.fix
-
-
-def test_the_hour_that_its_beginning_leaves_out():
-    texts = ("31.03.2024 01:59:59", "31.03.2024 03:00:00")
-    assert seconds(*texts, zone="Europe/Berlin")[0] == [0, 1]
-    assert seconds(*texts)[0] == [0, 3601]  # a clock that nobody sets
+    assert "UTC" in caught.value.fix
 
 
 def test_what_is_refused():
@@ -92,25 +80,6 @@ def test_what_is_refused():
 def test_a_stated_order_is_kept_to():
     texts = ("03/04/2024 10:00:00", "04/04/2024 10:00:00")
     assert (seconds(*texts, order="dmy")[0], seconds(*texts, order="mdy")[0]) == ([0, 86400], [0, 31 * 86400])
-    with pytest.raises(RopefricError, match="no time zone"):
-        seconds(*texts, order="dmy", zone="Berlin")
-
-
-@settings(max_examples=60)
-@given(
-    st.datetimes(datetime(1970, 1, 1), datetime(2100, 1, 1)),  # noqa: DTZ001  (local times of a zone)
-    st.lists(st.integers(0, 10_000_000), min_size=1, max_size=5),
-)
-def test_local_times_of_a_zone_are_those_of_its_clock(start, steps_ms):
-    zone = ZoneInfo("Europe/Berlin")
-    moments = [start.replace(tzinfo=zone).astimezone(ZoneInfo("UTC"))]
-    for step in steps_ms:
-        moments.append(moments[-1] + timedelta(milliseconds=step))
-    texts = [m.astimezone(zone).strftime("%Y-%m-%d %H:%M:%S.%f") for m in moments]
-    # Which of the two hours a recording begins in that the end of summer time repeats, nobody can tell.
-    if moments[0].astimezone(zone).fold == 0:
-        expected = [(moment - moments[0]).total_seconds() for moment in moments]
-        assert seconds(*texts, zone="Europe/Berlin")[0] == pytest.approx(expected, abs=1e-6)
 
 
 @given(st.text(alphabet="0123456789-/.: TZ+APMapm,", max_size=30))

@@ -121,7 +121,6 @@ def inspect(
     write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
     profile_file: Path | None = option("PATH", "Try the [import] section of this TOML file.", "--profile"),
-    everything: bool = flag("--all", "Read a large text whole, not only its first megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
     time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:
@@ -140,7 +139,7 @@ def inspect(
     known = campaigns.load_about(profile_file).profile if profile_file else ImportProfile()
     if file_format != "auto":
         known = replace(known, format=file_format)
-    look = partial(_inspect, file, known, everything)
+    look = partial(_inspect, file, known)
     ((_, found),) = workers.guarded(look, 1, limits=limits)
     if isinstance(found, workers.Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
@@ -151,10 +150,10 @@ def inspect(
     return Answer(found.to_dict(), _sections(found, profile))
 
 
-def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
+def _inspect(file: Path, profile: "ImportProfile", _: int) -> "Inspection":
     from ropefric.traces.readers.inspection import inspect_file  # noqa: PLC0415
 
-    return inspect_file(file, profile, everything=everything)
+    return inspect_file(file, profile)
 
 
 def _fix_of_folder(folder: Path) -> str:
@@ -188,7 +187,7 @@ def _columns(found: "Inspection") -> "section.Section":
     """Return a row for each column of the file, without fields that are empty for all."""
     table = [
         ("no.", "column ", "unit ", "from", "to", "missing", "holds "),
-        *(_column_row(found, column) for column in found.columns),
+        *map(_column_row, found.columns),
     ]
     filled = [place for place, (_, *cells) in enumerate(zip(*table, strict=True)) if any(cells)]
     headings, *rows = ([row[place] for place in filled] for row in table)
@@ -208,10 +207,7 @@ def _first_rows(found: "Inspection") -> tuple["section.Section", int]:
 
 
 def _headline(found: "Inspection") -> str:
-    rows = f"{found.n_rows} rows"
-    if found.n_rows_about:
-        rows = f"at least {found.n_rows} rows, perhaps {found.n_rows_about:.2g}"
-    facts = [found.format, rows]
+    facts = [found.format, f"{found.n_rows} rows"]
     if found.samples:
         names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
         where = " side by side" if found.format == "wide" else ""
@@ -228,10 +224,8 @@ def _headline(found: "Inspection") -> str:
     return f"{found.file}: {', '.join(facts)}"
 
 
-def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]:
+def _column_row(column: "ColumnSummary") -> tuple[str, ...]:
     holds = "whole numbers" if column.is_integer else "numbers" if column.is_numeric else "text"
-    if column.name in found.saturation:
-        holds += ", at a converter's limit"
     limits = (
         "" if limit is None else section.plain(limit, ".6g") for limit in (column.minimum, column.maximum)
     )

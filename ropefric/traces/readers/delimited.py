@@ -2,19 +2,17 @@
 
 The C parser of pandas reads clean files; it fills short rows up and turns surplus cells into an index, both in silence,
 so rows are counted first, on the bytes. Whatever it does not take as numbers is read again cell by cell, which either
-finds a number after all or says which cell is none. A large file is read block by block: only its columns are held.
+finds a number after all or says which cell is none.
 """
 
 import io
 import math
 from collections.abc import Sequence
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.files.disk import FileChangedError
 from ropefric.files.head_facts import UNIT_WORDS
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
 from ropefric.files.text_table import (
@@ -46,15 +44,16 @@ def open_text(source: Source, profile: ImportProfile, text: Text | None = None) 
 
 
 def without_footer(text: Text, dialect: Dialect) -> Text:
-    """Return a text without what `_cut_end` takes from its end."""
-    return text.without_end(dialect.rows.data_row, partial(_cut_end, dialect))
-
-
-def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001
-    """Return the end of a text without empty rows, footer, and a last row that breaks off within a number.
+    """Return a text without empty rows at its end, footer, and a last row that breaks off within a number.
 
     Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
+    start = text.start_of(dialect.rows.data_row)
+    return text.part(0, start + _end_of_data(dialect, text.data[start:], is_ended=text.is_ended))
+
+
+def _end_of_data(dialect: Dialect, data: bytes, *, is_ended: bool) -> int:
+    """Return the byte at which the rows of data end."""
     filled = data.find(b"\n", len(data.rstrip(b" \t\n" + dialect.separator.encode()))) + 1
     data, is_ended = data[:filled], is_ended or filled < len(data)
     n_most = max(dialect.layout.skip_footer, MOST_FOOTER)
@@ -67,8 +66,8 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
     if 0 < len(footer) <= n_most:
         text = "; ".join(lines[place] for place in reversed(footer))
         dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {text[:100]}")
-        return data[: ends[footer[-1] + 1]]
-    return data if is_ended or not _breaks_off(rows) else data[: ends[1]]
+        return ends[footer[-1] + 1]
+    return ends[0] if is_ended or not _breaks_off(rows) else ends[1]
 
 
 def _footer(lines: Sequence[str], rows: Sequence[Sequence[str]], dialect: Dialect) -> list[int]:
@@ -236,9 +235,9 @@ def _check_rows(
 
 def _cells_per_line(block: Block, separator: str, text: Text) -> IntArray:
     """Return the number of cells of each line of a block, 0 for a blank one."""
-    if b'"' in block:
+    if b'"' in block.data:
         return _quoted_cells_per_line(block, separator, text)
-    body = np.frombuffer(block.data, dtype=np.uint8, offset=block.start)
+    body = np.frombuffer(block.data, dtype=np.uint8)
     begins = np.append(0, np.flatnonzero(body == _NEWLINE)[:-1] + 1)  # of the lines
     is_blank = _IS_BLANK[body]
     if separator == " ":
@@ -285,15 +284,12 @@ def _parse_columns(
     for block in text.blocks(dialect.rows.data_row):
         arrays = _parse_block(block, dialect, names, wanted, text.source)
         stop = place + (len(arrays[0]) if arrays else 0)
-        if stop > n_rows:
-            raise FileChangedError("the file changed while it was read", path=text.source.shown)
         for index, array in zip(wanted, arrays, strict=True):
             columns[index][place:stop] = array
         place = stop
     if none := dialect.layout.no_value_numbers(dialect.decimal):
         columns = {i: np.where(np.isin(array, none), np.nan, array) for i, array in columns.items()}
-    # No slice of a whole column: what is a view of another array is copied later.
-    return [columns[index] if place == n_rows else columns[index][:place] for index in indices]
+    return [columns[index] for index in indices]
 
 
 def _parse_block(
@@ -301,7 +297,7 @@ def _parse_block(
 ) -> list[FloatArray]:
     """Return columns of a piece of a text, the fast way where it finds numbers in all cells."""
     # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
-    if b'"' not in block and not dialect.thousands:
+    if b'"' not in block.data and not dialect.thousands:
         for tolerant in (False, True):
             arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
             if arrays is not None:
@@ -315,11 +311,9 @@ def _parse_fast(
     """Return columns as pandas reads them, or None where it finds a cell that is no finite number."""
     import pandas as pd  # noqa: PLC0415  (0.3 s to load)
 
-    body = io.BytesIO(block.data)
-    body.seek(block.start)
     try:
         frame = pd.read_csv(
-            body,
+            io.BytesIO(block.data),
             sep=r"\s+" if dialect.separator == " " else dialect.separator,
             decimal=dialect.decimal,
             header=None,

@@ -24,6 +24,8 @@ _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", 
 """Parts of names that show on which side of the wheel a force was measured, the slack one first."""
 _MOST_LABELS, _FEWEST_ROWS = 64, 10
 """A column that labels rows has at most this many words, and each occurs in at least this many rows."""
+_SEEN_BYTES = 8 * 2**20
+"""Several recordings are looked for in this much of a text."""
 _LONGEST_S = 4 * 3600.0
 _EVEN = 0.1
 """How far the steps of a time of any name may be from their median [-]."""
@@ -51,10 +53,11 @@ def layouts(
         if wide := _side_by_side(text, dialect, profile):
             yield wide, []
             return
-        if text.is_whole and dialect.rows.header_row and len(stacked_parts(text, dialect)) > 1:
+        seen = text.part(0, text.data.rfind(b"\n", 0, _SEEN_BYTES) + 1)
+        if dialect.rows.header_row and len(stacked_parts(seen, dialect)) > 1:
             yield replace(plain, format="stacked"), []
             return
-        if text.is_whole and (long := _in_rows(text, dialect, plain)):
+        if long := _in_rows(seen, dialect, plain):
             yield long
     if not plain.skip_footer and (n_footer := _footer_lines(text, dialect)):
         yield replace(plain, skip_footer=n_footer), []
@@ -206,11 +209,7 @@ def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
 
 def _footer_lines(text: Text, dialect: Dialect) -> int:
     """Return how many of the last lines begin with a word, unlike the first row of data, and from there on all."""
-    rows = (
-        deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1)
-        if text.is_whole
-        else ()
-    )
+    rows = deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1)
     data = [place for place, (_, row) in enumerate(rows) if not begins_with_word(row, dialect)]
     return len(rows) - 1 - data[-1] if data else 0
 

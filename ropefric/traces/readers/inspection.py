@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import accumulate, chain, islice
+from itertools import chain, islice
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -11,12 +11,11 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import WHOLE_BYTES, Source, split_line
+from ropefric.files.text import Source, split_line
 from ropefric.glossary import counted
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.clock import mean_step_s, mend_clock
-from ropefric.traces.noise import runs_of
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
@@ -26,12 +25,7 @@ from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
-PART_BYTES = 2**20
-"""Of a text of more than `WHOLE_BYTES`, this much of the beginning is looked at."""
-MIN_RUN = 3
-"""Samples in a row at a converter's limit that make a hint."""
 
-_FULL_SCALES = {2**bits - 1: bits for bits in (8, 10, 12, 14, 16, 18, 20, 24)}
 _UNIFORM = 0.05
 _TOP = 2.0**32 - 1.0
 _AS_COUNTS = Calibration(
@@ -68,11 +62,9 @@ class Inspection:
     data_row: int = 0
     columns: tuple[ColumnSummary, ...] = ()
     n_rows: int = 0
-    n_rows_about: int = 0
     samples: tuple[str, ...] = ()
     sampling_rate_Hz: float | None = None
     is_uniform: bool = False
-    saturation: tuple[str, ...] = ()
     first_rows: tuple[tuple[str, ...], ...] = ()
     profile: ImportProfile = field(default_factory=ImportProfile)
     notes: tuple[str, ...] = ()
@@ -83,7 +75,7 @@ class Inspection:
     def to_dict(self) -> dict[str, Any]:
         r"""Return the inspection for JSON, the profile as its TOML text."""
         result = {name: getattr(self, name) for name in self.__slots__ if name not in ("profile", "columns")}
-        for name in ("samples", "saturation", "first_rows", "notes", "doubts"):
+        for name in ("samples", "first_rows", "notes", "doubts"):
             result[name] = list(result[name])
         result["first_rows"] = [list(row) for row in self.first_rows]
         result["columns"] = [asdict(column) for column in self.columns]
@@ -92,11 +84,7 @@ class Inspection:
 
 
 def inspect_file(
-    path: str | PurePath,
-    profile: ImportProfile | None = None,
-    *,
-    shown_as: str = "",
-    everything: bool = False,
+    path: str | PurePath, profile: ImportProfile | None = None, *, shown_as: str = ""
 ) -> Inspection:
     r"""Return what can be found out about a recording file, and the profile that would read it."""
     shown, known = shown_as or str(path), profile or ImportProfile()
@@ -107,19 +95,9 @@ def inspect_file(
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _tried(_summarise(found, reader.tables(source, known)), source)
-        sizes = accumulate(map(len, source.unpacked())) if source.is_packed else (source.file.size,)
-        is_small = everything or all(size <= WHOLE_BYTES for size in sizes)
-        return _inspect_text(source, known) if is_small else _inspect_beginning(source, known)
+        return _inspect_text(source, known)
 
     return use_file(path, look, shown=shown)
-
-
-def _inspect_beginning(source: Source, profile: ImportProfile) -> Inspection:
-    """Return the findings from the beginning of a large text."""
-    found = _inspect_text(replace(source, most_bytes=PART_BYTES), profile)
-    n_about = found.n_rows if source.is_packed else round(found.n_rows * source.file.size / PART_BYTES)
-    doubt = "only the first megabyte was read: there are more rows, and ranges may be wider; --all reads everything"
-    return replace(found, n_rows_about=n_about, doubts=(*found.doubts, doubt))
 
 
 def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
@@ -178,9 +156,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
 
 
 def _tried(found: Inspection, source: Source) -> Inspection:
-    """Return an inspection with what its own profile reads of the file, or what stops it; not tried on a part of one."""
-    if source.most_bytes:
-        return found
+    """Return an inspection with what its own profile reads of the file, or what stops it."""
     profile, signals = as_signals(found.profile)
     try:
         raws = find_reader(source.path, profile, source).read(source, profile)
@@ -233,7 +209,6 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
     doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
-    hints = chain.from_iterable(map(_at_limits, columns, values))
     return replace(
         found,
         columns=columns,
@@ -241,7 +216,6 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
         samples=samples,
         sampling_rate_Hz=rate_Hz or guess.rate_Hz,
         is_uniform=is_uniform or bool(guess.rate_Hz),
-        saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
         doubts=(*doubts, several) if samples else doubts,
@@ -310,19 +284,3 @@ def _clock_s(table: Table, channels: Mapping[str, Channel]) -> FloatArray | None
     chosen = [index for channel in channels.values() if (index := index_of(table, channel)) is not None]
     clocks = (table.clock(index) for index in (*chosen, *range(len(table.names))))
     return next((time_s for time_s in clocks if time_s is not None), None)
-
-
-def _at_limits(column: ColumnSummary, array: FloatArray | None) -> list[str]:
-    """Return a hint where whole numbers stay at a converter's full scale or at zero."""
-    if array is None or not column.is_integer or column.minimum is None or column.minimum < 0:
-        return []
-    label, top = column.name or f"column {column.number}", int(column.maximum or 0)
-    if top not in _FULL_SCALES:
-        return []
-    limits = {top: f"the ceiling of {_FULL_SCALES[top]} bits", 0: "the floor"}
-    runs = {limit: int(np.diff(runs_of(array == limit)).max(initial=0)) for limit in limits}
-    return [
-        f"{label} sits at {limit}, {what}, for {runs[limit]} samples in a row"
-        for limit, what in limits.items()
-        if runs[limit] >= MIN_RUN
-    ]

@@ -41,7 +41,7 @@ def _without_special_blocks(data: bytes) -> bytes:
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the file's recordings; a block that continues the one before belongs to the same recording."""
-    text = load_text(source, profile.encoding).whole()
+    text = load_text(source, profile.encoding)
     data = _without_special_blocks(text.data)
     text = replace(text, data=data)
     ends = [found.end() for found in _END.finditer(data)]
@@ -157,7 +157,6 @@ def _recordings(blocks: Sequence[tuple[Table, _Tags]], notes: list[str]) -> tupl
         began_s, _ = read_stamps(
             enumerate(began),
             order="ymd",
-            zone="",
             no_value=(),
             refuse=lambda _, why, fix: DataError(why, fix=fix),
         )

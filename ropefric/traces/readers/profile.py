@@ -9,7 +9,7 @@ from ropefric.files.text_table import TableLayout
 from ropefric.files.toml_edit import toml_key, toml_value
 
 _TEXTS = (
-    *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order", "time_zone"),
+    *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order"),
     *("recording_column", "channel_column", "value_column"),
 )
 _ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")

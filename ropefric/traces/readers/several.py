@@ -15,7 +15,7 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.files.text import Source, Text, split_line, start_of_line
+from ropefric.files.text import Source, Text, split_line
 from ropefric.files.text_table import Dialect, HeadRows, is_value
 from ropefric.quantities import unit_factor
 from ropefric.traces.readers.delimited import ends_empty, open_text, text_table, without_footer
@@ -187,7 +187,6 @@ def _alike(cells: Sequence[str]) -> tuple[str, ...]:
 def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return one table for each header that comes again below data; the words above it, or a number, are its name."""
     text, dialect = open_text(source, profile)
-    text = text.whole()
     parts = stacked_parts(text, dialect)
     if not parts:
         why = "there is no header that comes again below data"
@@ -208,9 +207,7 @@ def _part_table(text: Text, dialect: Dialect, part: Part) -> Table:
     units_row = part.header_row + rows.units_row - rows.header_row if rows.units_row else 0
     has_units = 0 < units_row < part.data_row
     units = split_line(text.line(units_row), dialect.separator) if has_units else dialect.units
-    start, stop = (
-        start_of_line(text.data, line - text.first_line + 1) for line in (part.header_row, part.stop)
-    )
+    start, stop = (text.start_of(line) for line in (part.header_row, part.stop))
     own = replace(
         dialect,
         rows=HeadRows(part.header_row, units_row, part.data_row),

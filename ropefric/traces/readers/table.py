@@ -314,9 +314,7 @@ def stamp_column(cells: Iterable[tuple[int, str]], name: str, dialect: Dialect, 
         return source.error(why, code="RF104", line=line, key=name, fix=fix)
 
     layout = dialect.layout
-    found, said = read_stamps(
-        cells, order=layout.date_order, zone=layout.time_zone, no_value=layout.no_value, refuse=refuse
-    )
+    found, said = read_stamps(cells, order=layout.date_order, no_value=layout.no_value, refuse=refuse)
     dialect.notes.extend(f"{name}: {text}" for text in said)
     return found
 

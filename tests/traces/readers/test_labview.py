@@ -5,7 +5,6 @@ import pytest
 from reading import read, refused
 
 from ropefric.errors import DataError
-from ropefric.files import text as texts
 from ropefric.traces.readers import find_reader, read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -187,11 +186,3 @@ def test_a_last_number_that_is_cut_is_left_out_and_a_footer_told(write):
     (trace,) = read(write(text.rstrip() + "\r\nEnd of test\r\n", "run.lvm"))
     assert trace.force_N.tolist() == [10.5, 11.5, 12.5]
     assert any("End of test" in note for note in trace.notes)
-
-
-def test_a_long_file_that_ends_within_a_number(write, monkeypatch):
-    monkeypatch.setattr(texts, "WHOLE_BYTES", 2**16)
-    rows = [["", f"{100 + i % 800}.25"] for i in range(20_000)]
-    whole = general() + block(["X_Value", "Force", "Comment"], rows)
-    (trace,) = read(write(whole[: whole.rindex("25")], "run.lvm"))
-    assert (trace.force_N.size, trace.force_N[-1]) == (19_999, 100 + 19_998 % 800 + 0.25)

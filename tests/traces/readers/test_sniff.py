@@ -3,8 +3,6 @@
 import json
 import tomllib
 
-import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,15 +22,6 @@ def test_a_german_file_is_understood(write):
     assert found.profile.channels["time"] == Channel(column="Zeit")
     assert found.profile.channels["force"] == Channel(column="Kraft")
     assert any("column 2 is taken as the force" in doubt for doubt in found.doubts)
-
-
-def test_saturation_is_hinted(write):
-    counts = np.concatenate([np.arange(0, 1000, 10), np.full(20, 1023), np.arange(1000, 0, -10)])
-    path = write("time_s,counts\n" + "".join(f"{i / 3000:.6f},{c}\n" for i, c in enumerate(counts)))
-    found = inspect_file(path)
-    assert found.saturation == ("counts sits at 1023, the ceiling of 10 bits, for 20 samples in a row",)
-    assert found.columns[1].is_integer
-    assert (found.sampling_rate_Hz, found.doubts) == (pytest.approx(3000, rel=1e-3), ())
 
 
 def test_an_ambiguous_decimal_stays_open_in_the_profile(write):

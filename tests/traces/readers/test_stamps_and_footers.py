@@ -5,7 +5,6 @@ import pytest
 from reading import read as read_all
 from reading import refused
 
-from ropefric.files import text
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
@@ -104,12 +103,3 @@ def test_a_last_row_that_is_cut_is_no_footer(write, head, row, last):
     rows = "".join(row.format(i=i) + "\n" for i in range(30))
     rate = {"sampling_rate_Hz": 10.0, "channels": {"force": Channel(column=2, unit="N")}}
     assert refused(write(f"{head}\n{rows}{last}\n"), **rate).code == "RF103"
-
-
-def test_the_footer_of_a_long_text_that_is_read_in_blocks(write, monkeypatch):
-    monkeypatch.setattr(text, "WHOLE_BYTES", 2**17)
-    rows = "".join(f"{i / 1000:.3f},{i % 977}\n" for i in range(60_000))
-    path = write(HEAD + rows + "End of test\nOperator: Smith\n")
-    trace = read(path)
-    assert (trace.force_N.size, sum("left out at the end" in note for note in trace.notes)) == (60_000, 1)
-    assert read(path, skip_footer=4).force_N.size == 59_998

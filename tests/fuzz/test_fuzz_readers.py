@@ -31,7 +31,9 @@ FILES = (*((name, b"") for name in ("r.csv", "r.txt", "r.csv.gz", "r.mat", "r.xl
     ("r.mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"), ("r.tdms", b"TDSm"), ("r.xlsx", b"PK\x03\x04"),
     ("r.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"), ("r.h5", b"\x89HDF\r\n\x1a\n"), ("r.dat", b"\xff\xfe"),
     ("r.cmbl", b"<Document><DataSet><DataColumn><ColumnCells>"),
-    ("r.lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"))  # fmt: skip
+    ("r.lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"),
+    ("r.csv", b"Interval,1,Interval,1\nChannel name,a,Channel name,b\nUnit,s,Unit,N\n"),
+    ("r.csv", b"Axis1\nNumber of sampling data,1\nSampling time interval(ms),1\n"))  # fmt: skip
 PROFILES = (ImportProfile(), ImportProfile(), ImportProfile(sampling_rate_Hz=1000.0),
     ImportProfile(decimal=","), ImportProfile(separator=";"), ImportProfile(missing=("NA", "")),
     ImportProfile(header_row=3, units_row=2, block_names_row=2), ImportProfile(separator=" ", data_row=5),

@@ -1,9 +1,9 @@
 """Recording files: one reader a format, found by name or by the file's ending.
 
 In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
-file as tables (table.py says how their columns become channels): delimited.py, several.py (many recordings in a text);
-labview.py (.lvm), vernier.py (.cmbl), excel.py, matlab.py, hdf5.py, tdms.py. inspection.py examines an unknown file and
-suggests a profile.
+file as tables (table.py says how their columns become channels): delimited.py, several.py (many recordings in a text),
+and texts that declare their layout, labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py,
+matlab.py, hdf5.py, tdms.py. inspection.py examines an unknown file and suggests a profile.
 """
 
 from pathlib import Path, PurePath
@@ -12,7 +12,7 @@ from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
 from ropefric.files.text import Source, first_lines, is_text
 from ropefric.registry import Registry
-from ropefric.traces.readers import excel, hdf5, labview, matlab, several, tdms, vernier
+from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, several, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.table import Reader
@@ -23,7 +23,7 @@ _WITH_ONE = (vernier, matlab, hdf5, tdms, excel)
 
 READERS: Registry[Reader] = Registry(
     "file format",
-    [*_TABLES, labview.READER, *(module.READER for module in _WITH_ONE)],
+    [*_TABLES, labview.READER, headed.NI, headed.MITSUBISHI, *(module.READER for module in _WITH_ONE)],
 )
 """Every reader by name."""
 

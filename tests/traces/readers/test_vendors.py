@@ -9,7 +9,7 @@ from reading import read, refused
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel
 
-# --- labelled heads ---
+# --- NI ---
 
 NI = """\ufeffTimestamp,2020-03-16 17:04:51,Timestamp,2020-03-16 17:04:51
 Interval,0.5,Interval,0.5
@@ -21,12 +21,84 @@ Unit,"kN",Unit,"mm"
 """
 
 
-def test_a_head_whose_rows_begin_with_their_label_is_read_by_number(write):
+def test_an_ni_export_keeps_its_names_and_its_clocks(write):
     path = write(NI)
-    assert refused(path).code == "RF105"
-    time, force = Channel(column=1, unit="s"), Channel(column="Force")
-    (trace,) = read(path, header_row=3, units_row=4, channels={"time": time, "force": force})
+    (trace,) = read(path)
     assert (trace.time_s.tolist(), trace.force_N.tolist()) == ([0, 0.5, 1], [250, 500, 750])
+    assert "NI export: Force, Way, left, each with a time of its own" in trace.notes
+    found = inspect_file(path)
+    assert [(c.name, c.unit) for c in found.columns] == [
+        *(("time of Force", "s"), ("Force", "kN"), ("time of Way, left", "s"), ("Way, left", "mm"))
+    ]
+    assert (found.format, found.sampling_rate_Hz, found.doubts) == ("ni-csv", 2, ())
+    assert "Timestamp: 2020-03-16 17:04:51" in found.notes
+
+
+def test_ni_channels_with_other_clocks_are_aligned_by_time(write):
+    path = write(NI.replace("0.5,0.5,0.5,2", "0.5,0.5,0.25,2"))
+    both = {"force": Channel(column="Force"), "way": Channel(column="Way, left")}
+    (trace,) = read(path, channels=both, derived={"force": "force + 0.0 * way / 1000"})
+    assert (trace.time_s.tolist(), trace.force_N.tolist()) == ([0, 0.5, 1], pytest.approx([250, 500, 750]))
+    way = both | {"end_tension": Channel(column="Way, left", unit="N", instead_of="mm")}
+    np.testing.assert_allclose(read(path, channels=way)[0].end_tension_N, [2, np.nan, 3])
+    assert read(path, channels={"force": Channel(column="Force")})[0].time_s.tolist() == [0, 0.5, 1]
+
+
+def test_a_damaged_ni_export_is_told(write):
+    error = refused(write(NI + "1.5,oops,1.5,4\n"))
+    assert (error.code, error.where) == ("RF102", "run:8 Force")
+    error = refused(write("time_s,force_N\n0,1\n"), format="ni-csv")
+    assert (error.code, "Channel name" in str(error)) == ("RF103", True)
+
+
+def test_the_real_ni_export(real_data):
+    path = real_data / "vendor_headers" / "a3NI.csv"
+    found = inspect_file(path)
+    assert [(c.name, c.unit) for c in found.columns][1::2] == [("Force", "V"), ("Input 1", "V")]
+    assert (found.format, found.n_rows, found.sampling_rate_Hz) == ("ni-csv", 1078, 2000)
+    assert any("the force is in V" in doubt for doubt in found.doubts)
+    volts = {"channels": {"volts": Channel(column="Force")}, "constants": {"gain": 100.0}}
+    (trace,) = read(path, **volts, derived={"force": "volts * gain"})
+    assert trace.force_N[0] == pytest.approx(-12.917863583)
+    assert trace.time_s[-1] == pytest.approx(1077 * 0.0005)
+
+
+# --- Mitsubishi ---
+
+MR = """Axis1
+Number of sampling data,3
+Sampling time interval(ms),0.5
+Time,Analog 1,Analog 2,Digital 1
+ms,Servo motor speed,Torque,Not selected
+0.0,0,1,0
+0.5,10,2,0
+1.0,20,3,0
+"""
+
+
+def test_a_servo_trace_is_one_recording_with_the_names_of_what_was_measured(write):
+    path = write(MR)
+    found = inspect_file(path)
+    assert (found.format, found.samples, found.n_rows) == ("mr-configurator", (), 3)
+    assert [c.name for c in found.columns] == ["Time", "Servo motor speed", "Torque", "Digital 1"]
+    assert any("Number of sampling data 3" in note for note in found.notes)
+    channels = {"time": Channel(column="Time"), "torque": Channel(column="Torque")}
+    (trace,) = read(path, channels=channels, derived={"force": "torque * 2"})
+    assert (trace.time_s.tolist(), trace.force_N.tolist()) == ([0, 0.0005, 0.001], [2, 4, 6])
+
+
+def test_a_quantity_measured_twice_is_told_by_its_slot(write):
+    found = inspect_file(write(MR.replace("Servo motor speed", "Torque")))
+    assert [c.name for c in found.columns[1:3]] == ["Torque (Analog 1)", "Torque (Analog 2)"]
+
+
+def test_the_real_servo_trace(real_data):
+    found = inspect_file(real_data / "vendor_headers" / "a3MR.csv")
+    assert (found.format, found.n_rows, len(found.columns)) == ("mr-configurator", 1024, 16)
+    assert found.sampling_rate_Hz == pytest.approx(1500, rel=1e-5)
+    assert [c.name for c in found.columns[:4]] == [
+        *("Time", "Servo motor speed", "Torque", "Droop pulses (by 1 pls.)")
+    ]
 
 
 def test_many_channels_under_one_header_are_one_recording(write):

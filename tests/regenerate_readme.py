@@ -112,14 +112,10 @@ def _scenes() -> str:
         effects = f"{len(plan.simulated)} of {n_all} effects{off}"
         words.append(f"For an accuracy of {100 * wanted:g} % the plan simulates {effects}.")
     whole = [name for name in PROBLEMS if not planned(name, 0.1)[0].left_out]
-    rows = error_table("scenes", "start-up", method="plan and solve")
-    (started,) = [row for row in rows if row.setting == "accuracy 0.1"]
     return (
-        f"**Scenes.** Quick scenes are solved with all effects at any accuracy: {', '.join(whole)}. In a start-up the "
-        "search for the times of slip takes most time; a search inside the steps of a grid has an error below "
-        f"{_below(started.error)}. In a blade the stiffness takes most time. {' '.join(words)} Planning adds at most a "
-        "few hundredths to the time of one machine, and some milliseconds to a sweep. Machines whose "
-        "error does not depend on the accuracy wanted share a panel of times."
+        f"**Scenes.** These are solved with all effects at any accuracy: {', '.join(whole)}. In a blade the stiffness "
+        f"takes most time. {' '.join(words)} Planning adds at most a few hundredths to the time of one machine, and some "
+        "milliseconds to a sweep. Machines whose error does not depend on the accuracy wanted share a panel of times."
     )
 
 

@@ -114,18 +114,6 @@ def test_without_loads_it_has_its_pretension_at_any_speed(fixed_press):
         assert found == pytest.approx(wanted, rel=1e-9)
 
 
-def test_limits_of_long_spans_stiff_belts_and_sure_grip():
-    long = tensions_N(machine(476.8, span_m=1e7, stiffness_N=1e9))
-    assert long == pytest.approx([161.6, 638.4], rel=1e-6)  # the mean is the pretension
-    stiff = [tensions_N(machine(476.8, stiffness_N=one)) for one in (1e8, 1e11)]
-    assert stiff[0] == pytest.approx(stiff[1], rel=1e-4)
-    # Where no arc slips, each has the tension with which the belt arrives.
-    press = machine(100.0, 80.0, stiffness_N=1e10, wrap_rad=2.0)
-    held = tensions_N(press, 1e2)
-    linear = solve_statics(press)
-    assert held == pytest.approx(linear.by_load_N + linear.by_preload[:, 0] * 400.0, rel=2e-3)
-
-
 @pytest.mark.parametrize(("mu", "slack_N"), [(5.0, 6.554e-4), (20.0, 1.918e-6)])
 def test_a_slack_side_next_to_nothing(mu, slack_N):
     """With much grip the belt slips nearly all round before its slack side pushes."""
@@ -135,21 +123,6 @@ def test_a_slack_side_next_to_nothing(mu, slack_N):
     assert found == pytest.approx([slack_N, pull_N + slack_N], rel=1e-3)
     strained = 1.0 + 400.0 / 8000.0
     assert unstretched_m(press, found, mu, press.belts[0]) == pytest.approx(0.4 * TURN / strained, rel=1e-7)
-
-
-def test_as_a_tensioner_of_that_tension_would_have_it():
-    """The level is that of a take-up on the slack side with twice its tension as force."""
-    found = tensions_N(machine(300.0))
-    rollers = machine(300.0).rollers
-    loose = Roller(name="take-up", radius_m=0.05, wrap_angle_rad=TURN, role="tensioner",
-                   tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=2.0 * found[0]))  # fmt: skip
-    belt = Belt(
-        name="belt", loop=("drive", "take-up", "0"), linear_density_kg_m=0.0, thickness_m=0.005, width_m=0.1
-    )
-    other = steady_state(
-        solve_statics(Press(rollers=(rollers[0], loose, rollers[1]), belts=(belt,), speed_m_s=1.2))
-    )
-    assert other.tension_N[[0, 2]] == pytest.approx(found, rel=1e-12)
 
 
 def at_critical(statics, change, value):

@@ -62,9 +62,8 @@ def test_the_string_is_eq_8_with_the_tension_that_the_effects_give(full_problem)
             tension_N = PRELOAD + side.sign * pull * 0.5 * PULL + kappa * RHO * SPEED**2
             found = answer.sides[side]
             assert found.tension_N[0] == pytest.approx(tension_N, rel=1e-14), effects
-            assert found.frequencies_Hz[0] == pytest.approx(string_Hz(tension_N, speed * SPEED), rel=1e-13), (
-                effects
-            )
+            wanted_Hz = string_Hz(tension_N, speed * SPEED)
+            assert found.frequencies_Hz[0] == pytest.approx(wanted_Hz, rel=1e-13), effects
         assert answer.sides[R].frequencies_Hz[0] == pytest.approx(string_Hz(PRELOAD), rel=1e-14), effects
 
 
@@ -73,10 +72,8 @@ def test_torsion_adds_its_frequencies_and_changes_no_other(full_problem):
     assert SYSTEM.distance(without, with_it, with_it) == 0.0
     assert without.sides[T].torsion_Hz is None
     section = full_problem.section
-    stiff = (
-        4.0 * section.shear_modulus_Pa / section.density_kg_m3 * (section.thickness_m / section.width_m) ** 2
-    )
-    c_t = math.sqrt(PRELOAD / RHO + stiff)
+    slender, wave = section.thickness_m / section.width_m, section.shear_modulus_Pa / section.density_kg_m3
+    c_t = math.sqrt(PRELOAD / RHO + 4.0 * wave * slender**2)
     for side, speed in ((T, SPEED), (R, 0.0)):
         wanted = np.arange(1, 5) * (c_t**2 - speed**2) / (2.0 * LENGTH * c_t)
         assert with_it.sides[side].torsion_Hz[0] == pytest.approx(wanted, rel=1e-12)
@@ -170,11 +167,7 @@ def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades():
     """To first order in what bends a free end, and in the layer at a held one: nothing is given away."""
     for ends in [PINNED, CLAMPED]:
         for V in [0.0, 0.5, 0.9]:
-            e = 1e-4
-            assert shifts(ends, e, V, 3)[2] == pytest.approx(bending_bound(ends, e, V, 3), rel=2e-3), (
-                ends,
-                V,
-            )
+            assert shifts(ends, 1e-4, V, 3)[2] == pytest.approx(bending_bound(ends, 1e-4, V, 3), rel=2e-3)
 
 
 def test_bending_whose_layers_fill_the_span_has_no_bound():

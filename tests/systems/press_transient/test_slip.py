@@ -178,10 +178,8 @@ def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit):
                 slack_N = float(model.preload_N[0])
                 mu = local_mu(friction, slack_N)
                 limit = friction_limit(model, friction)
-                for way in (
-                    1.0,
-                    -1.0,
-                ):  # friction brakes the belt, or drives it; the angle counts from the slack side
+                # Friction brakes the belt, or drives it; the angle counts from the slack side.
+                for way in (1.0, -1.0):
                     run = solve_ivp(
                         lambda s, T, way=way, mu=mu, inertia_N=inertia_N: way * inertia_N + mu(s) * T,
                         (0.0, alpha), [slack_N], method="DOP853", rtol=1e-13, atol=1e-12

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper import with_roller
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, one_condition
@@ -166,15 +167,14 @@ def test_more_preload_never_raises_utilisation_nor_does_more_load_lower_it(
 
 def test_outside_that_domain_it_does_not_hold(paper_press):
     """One load alone tightens another roller's slack side; `equal` moves load between the drivers; μ may fall."""
-    rollers = tuple(replace(r, gravity_torque_N_m=60.0) if r.name == "3" else r for r in paper_press.rollers)
-    machine = replace(paper_press, rollers=rollers)
+    machine = with_roller(paper_press, "3", gravity_torque_N_m=60.0)
     heavier = SlipTable(machine, steady_tension_N(machine), 1.2).utilisation
     base = SlipTable(paper_press, steady_tension_N(paper_press), 1.2).utilisation
     assert heavier[4] < base[4]
-    tighter = tuple(replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
-                    for r in paper_press.rollers)  # fmt: skip
+    more = replace(paper_press.tensioners["3"], force_N=3000.0)
+    tighter = with_roller(paper_press, "3", tensioner=more)
     one, other = (SlipTable(press, steady_tension_N(press, closure="equal"), 1.2).utilisation
-                  for press in (paper_press, replace(paper_press, rollers=tighter)))  # fmt: skip
+                  for press in (paper_press, tighter))  # fmt: skip
     assert other[9] > one[9]
     friction = law_friction(-0.9, a=0.5, c=0.0)
     state = steady_state(solve_statics(paper_press), preload_N=[2000.0, 4000.0])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper import with_roller
 from scipy.optimize import fsolve
 
 from ropefric.errors import InputError, SolverError
@@ -94,8 +95,7 @@ def test_closures_say_what_they_mean(paper_press):
     at = steady_state(solve_statics(paper_press), speed_m_s=0.0)
     share = partial(of_span, at)
     assert float(share("9") - share("4")) == pytest.approx(float(share("10") - share("14")))
-    rollers = tuple(replace(r, radius_m=0.35) if r.name == "10" else r for r in paper_press.rollers)
-    machine = replace(paper_press, rollers=rollers)
+    machine = with_roller(paper_press, "10", radius_m=0.35)
     T = partial(of_span, steady_state(solve_statics(machine, closure="equal-torque")))
     assert 0.175 * float(T("9") - T("1")) == pytest.approx(0.35 * float(T("10") - T("11")))
 
@@ -234,27 +234,21 @@ def test_two_drivers_of_one_belt():
 
 def test_a_driven_belt_is_dragged_along_by_the_other(paper_press):
     """Without driver 10 its torque balance replaces the closure."""
-    rollers = tuple(replace(r, role="driven") if r.name == "10" else r for r in paper_press.rollers)
-    statics = solve_statics(replace(paper_press, rollers=rollers))
+    statics = solve_statics(with_roller(paper_press, "10", role="driven"))
     assert (statics.rank, statics.undetermined) == (14, ())
     T = partial(of_span, steady_state(statics))
     assert float(T("10")) == pytest.approx(float(T("11")))
 
 
 def test_a_belt_without_tensioner_is_refused(paper_press):
-    rollers = tuple(
-        replace(r, role="driven", tensioner=None) if r.name == "13" else r for r in paper_press.rollers
-    )
     with pytest.raises(InputError, match="leave 2 thing"):
-        solve_statics(replace(paper_press, rollers=rollers))
+        solve_statics(with_roller(paper_press, "13", role="driven", tensioner=None))
 
 
 def test_two_tensioners_of_one_belt_contradict(paper_press):
-    rollers = tuple(
-        replace(r, role="tensioner", tensioner=spring()) if r.name == "4" else r for r in paper_press.rollers
-    )
+    machine = with_roller(paper_press, "4", role="tensioner", tensioner=spring())
     with pytest.raises(InputError, match="travel of tensioner 3, travel of tensioner 4") as found:
-        solve_statics(replace(paper_press, rollers=rollers))
+        solve_statics(machine)
     assert "torque of roller 6" not in str(found.value)
 
 
@@ -279,9 +273,8 @@ def test_grids_are_the_points_by_themselves(paper_press):
 
 
 def test_each_tensioner_can_have_its_own_preload(paper_press):
-    rollers = tuple(replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
-                    for r in paper_press.rollers)  # fmt: skip
-    both = steady_state(solve_statics(replace(paper_press, rollers=rollers)))
+    tighter = replace(paper_press.tensioners["3"], force_N=3000.0)
+    both = steady_state(solve_statics(with_roller(paper_press, "3", tensioner=tighter)))
     base = steady_state(solve_statics(paper_press))
     rise = both.effective_tension_N - base.effective_tension_N
     moved = 1000.0 / (1 + math.cos(math.radians(19.9)))

@@ -5,6 +5,11 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 
 PUBLISHED = Path(__file__).parents[2] / "data" / "published"
@@ -58,3 +63,13 @@ def with_roller(press, which, **changes):
     """Return a press one of whose rollers is another."""
     rollers = tuple(replace(r, **changes) if r.name == which else r for r in press.rollers)
     return replace(press, rollers=rollers)
+
+
+def law_of(name, theta, at):
+    """Return the friction of a law with its parameters, and a reference (R_w, R_r, wrap, end tension)."""
+    return WrapFriction(law=ALL_LAWS[name], theta=np.array(theta), reference=one_condition(*at))
+
+
+def density_on_rollers(press):
+    """Return the mass per length of all belts on each roller."""
+    return np.array([sum(b.linear_density_kg_m for b in press.belts_on(one.name)) for one in press.rollers])

@@ -6,11 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from paper import law_of
 from scipy.optimize import brentq
 
 from ropefric.errors import InputError
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.beam import ScaledBeam, solve_beam
@@ -94,8 +93,7 @@ def test_all_effects_are_the_moving_beam_under_the_sum_of_the_tensions(full_prob
 def test_the_wheels_grip_is_counted_from_what_the_slack_side_presses(full_problem):
     """U = ΔF/((F_slack − ρAv²)(e^M − 1)), M of a power law by its integral from the slack side's angle."""
     a, b, c = 0.15, -0.4, 0.05
-    friction = WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([a, b, c]),
-                            reference=one_condition(0.35, 4.5e-4, 3.0, 100.0))  # fmt: skip
+    friction = law_of("wrap-power", [a, b, c], (0.35, 4.5e-4, 3.0, 100.0))
     answer = solved(replace(full_problem, friction=friction), ["tension-difference", "travel"])
     slack_N = PRELOAD - 0.5 * PULL - RHO * SPEED**2
 

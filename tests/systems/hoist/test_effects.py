@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import law_of
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.laws.bending import lifted_arc_rad
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM
 
@@ -101,17 +100,14 @@ def test_many_cases_at_once_are_the_same_cases_one_by_one(full_problem, solved):
 
 
 def test_a_law_that_has_the_stiffness_in_it_does_not_get_it_twice():
-    friction = WrapFriction(
-        law=ALL_LAWS["bending"], theta=np.array([0.2, 1e-3]), reference=one_condition(0.04, 0.005, 3.0, 60.0)
-    )
+    friction = law_of("bending", [0.2, 1e-3], (0.04, 0.005, 3.0, 60.0))
     rope = HoistProblem(friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=6.0,
                         end_tension_N=60.0, bending_stiffness_N_m2=1e-3)  # fmt: skip
     assert SYSTEM.effects["bending-stiffness"].needs(rope)
 
 
 def test_a_law_that_helps_the_rope_to_slip_is_refused(solved):
-    friction = WrapFriction(law=ALL_LAWS["constant-offset"], theta=np.array([0.1, -0.3]),
-                            reference=one_condition(0.04, 0.005, 6.0, 60.0))  # fmt: skip
+    friction = law_of("constant-offset", [0.1, -0.3], (0.04, 0.005, 6.0, 60.0))
     rope = HoistProblem(
         friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=2.0, end_tension_N=60.0
     )

@@ -5,14 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import law_of
 from thinned import thinned
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError, SolverError
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import LAWS
 from ropefric.scenes.scene_templates import scene_text
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.critical import critical
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
@@ -246,8 +244,7 @@ def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
     press = machine(*10.0 ** rng.uniform(0.5, 2.5, rng.integers(1, 4)), stiffness_N=10.0 ** rng.uniform(4.0, 8.0),
                     span_m=10.0 ** rng.uniform(-1.5, 1.5), pretension_N=10.0 ** rng.uniform(2.5, 3.5),
                     wrap_rad=rng.uniform(0.3, 6.0), linear_density_kg_m=rng.uniform(0.0, 10.0))  # fmt: skip
-    law = WrapFriction(law=LAWS["wrap-power"], theta=np.array([rng.uniform(0.2, 1.5), -0.3, 0.1]),
-                       reference=one_condition(0.1, 0.0025, 2.0, 500.0))  # fmt: skip
+    law = law_of("wrap-power", [rng.uniform(0.2, 1.5), -0.3, 0.1], (0.1, 0.0025, 2.0, 500.0))
     statics = solve_statics(press)
     for friction in (10.0 ** rng.uniform(-1.0, 0.7), law):
         found = critical(statics, friction, "load")

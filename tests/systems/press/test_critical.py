@@ -4,10 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import law_of
 
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import LAWS
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.critical import CHANGES, critical
 from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics, steady_state
@@ -32,8 +30,7 @@ CALLS = {"preload": lambda x: {"preload_N": x}, "speed": lambda x: {"speed_m_s":
 
 
 def test_the_utilisation_of_a_law_there_is_one(statics):
-    friction = WrapFriction(law=LAWS["wrap-power"], theta=np.array([1.2, -0.3, 0.2]),
-                            reference=one_condition(0.1, 0.0025, 2, 500))  # fmt: skip
+    friction = law_of("wrap-power", [1.2, -0.3, 0.2], (0.1, 0.0025, 2, 500))
     for change, call in CALLS.items():
         found = critical(statics, friction, change)
         state = steady_state(statics, **call(found.value), on_slack="flag")
@@ -101,8 +98,7 @@ def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
 
 def test_a_law_that_sees_the_roller_names_the_one_that_needs_most_of_its_own(statics):
     """As all coefficients fall in proportion; not the one whose coefficient is largest where it slips."""
-    steep = WrapFriction(law=LAWS["wrap-power"], theta=np.array([1.5, -0.9, 0.05]),
-                         reference=one_condition(0.1, 0.0025, 2, 500))  # fmt: skip
+    steep = law_of("wrap-power", [1.5, -0.9, 0.05], (0.1, 0.0025, 2, 500))
     found = critical(statics, steep, "friction")
     tension_N = steady_state(statics).effective_tension_N
     slip = SlipTable(statics.press, tension_N, steep)

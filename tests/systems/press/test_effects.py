@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import law_of
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -149,8 +150,7 @@ def test_a_law_is_integrated_over_the_wrap_from_the_angle_of_the_slack_tension(t
 @pytest.mark.parametrize("told", [True, False])
 def test_size_is_the_rollers_radius_over_half_the_belts_thickness(told):
     mu_inf, a, b = 0.9, -0.03, -0.2
-    friction = WrapFriction(law=ALL_LAWS["size-exponential"], theta=np.array([mu_inf, a, b]),
-                            reference=one_condition(0.12, 0.0025, 2.0, 900.0))  # fmt: skip
+    friction = law_of("size-exponential", [mu_inf, a, b], (0.12, 0.0025, 2.0, 900.0))
     radii = np.array([0.15, R_LOAD, R_TENS]) if told else np.full(3, 0.12)
     mu = mu_inf * (1.0 - np.exp(a * radii / (0.5 * THICK) + b))
     found = solved(small_press(friction), [*LOADS, "size"] if told else LOADS).slip.utilisation[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper import with_roller
+from paper import law_of, with_roller
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, one_condition
@@ -79,9 +79,7 @@ def test_tensions_fall_only_slightly_with_speed(trends):
 
 
 def law_friction(b, *, a=0.5, c=0.1):
-    return WrapFriction(
-        law=LAWS["wrap-power"], theta=np.array([a, b, c]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
-    )
+    return law_of("wrap-power", [a, b, c], (0.2, 0.0025, 2.0, 500.0))
 
 
 def test_utilisation_is_one_at_the_limit(paper_press):
@@ -124,9 +122,7 @@ def test_a_coefficient_is_positive(paper_press):
 
 
 def test_a_law_without_friction_holds_what_has_no_torque(paper_press):
-    friction = WrapFriction(
-        law=LAWS["constant"], theta=np.array([0.0]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
-    )
+    friction = law_of("constant", [0.0], (0.2, 0.0025, 2.0, 500.0))
     table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
     usual = SlipTable(paper_press, steady_tension_N(paper_press), 1.2)
     for measure in ("utilisation", "log"):

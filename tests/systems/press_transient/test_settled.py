@@ -4,17 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import density_on_rollers, law_of
 
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import LAWS
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled, settled_press
 from ropefric.systems.press.transient.start_up import start_up
 
-LAW = WrapFriction(
-    law=LAWS["wrap-power"], theta=np.array([1.2, -0.4, 0.1]), reference=one_condition(0.1, 0.0025, 2.0, 500.0)
-)
+LAW = law_of("wrap-power", [1.2, -0.4, 0.1], (0.1, 0.0025, 2.0, 500.0))
 
 
 @pytest.fixture(scope="module")
@@ -113,9 +109,7 @@ def test_the_factor_of_eq_37_over_a_start_up(kit, press):
     """By hand from the tensions, and with the acceleration of the smooth run-up: (37), and (38) at its end."""
     mu, times = 1.2, np.linspace(0.0, 40.0, 4001)
     found = start_up(press, speed=kit.run_up("s-curve", duration_s=2.0), time_s=times, friction=mu)
-    density = np.array(
-        [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in press.rollers]
-    )
+    density = density_on_rollers(press)
     rims = found.roller_speed_rad_s * press.radius_m
     momentum_N = rims[:, :1] ** 2 * press.density_kg_m
     sides_N = [(found.tension_N - momentum_N) @ side.T for side in (press.into, press.out_of)]

@@ -16,9 +16,8 @@ def test_ranges_and_lists_in_any_unit(hoist_of):
     scene = hoist_of()
     wrap = parse_axis(scene, "wheel.wrap = 90deg : 450deg : 3")
     assert np.degrees(wrap.values).tolist() == pytest.approx([90.0, 270.0, 450.0])
-    assert parse_axis(scene, "load.end_tension=10N:1000N:3:log").values.tolist() == pytest.approx(
-        [10, 100, 1000]
-    )
+    load = parse_axis(scene, "load.end_tension=10N:1000N:3:log")
+    assert load.values.tolist() == pytest.approx([10, 100, 1000])
     assert parse_axis(scene, "rope.diameter=8 mm,1 cm").values.tolist() == pytest.approx([0.008, 0.01])
     assert parse_axis(hoist_of(friction={"mu": 0.2}), "friction.mu=0.1,0.3").values.tolist() == [0.1, 0.3]
 

@@ -160,9 +160,8 @@ def test_a_belt_that_has_lifted_off_is_held_where_more_grip_keeps_it_on():
     found = critical(statics, 1.0, "friction")
     assert (found.state, found.direction) == ("slips", "rises")
     state = steady_state(statics, friction=found.value, on_slack="flag")
-    assert SlipTable(
-        statics.press, state.effective_tension_N, found.value
-    ).utilisation.max() == pytest.approx(1.0, rel=1e-6)
+    slip = SlipTable(statics.press, state.effective_tension_N, found.value)
+    assert slip.utilisation.max() == pytest.approx(1.0, rel=1e-6)
 
 
 def test_a_start_up_begins_with_the_pretension_and_settles(fixed_press):
@@ -251,7 +250,6 @@ def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
         assert found.value is not None, "with much grip it slips just before a span is slack"
         state = steady_state(statics, load_factor=found.value, friction=friction, on_slack="flag")
         slip = SlipTable(press, state.effective_tension_N, friction)
-        known = (
-            1e-12 * state.effective_tension_N.max() / state.effective_tension_N.min()
-        )  # of a slack side next to nothing
+        # What is known of a slack side next to nothing.
+        known = 1e-12 * state.effective_tension_N.max() / state.effective_tension_N.min()
         assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6 + known)

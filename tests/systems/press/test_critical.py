@@ -84,9 +84,8 @@ def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
                     if way == found.direction:
                         assert found.value is not None, (closure, change, mu)
                         assert (found.value > today) == (way == "rises"), (closure, change, mu)
-                        reached = turns.size and abs(places[turns[0]] - found.value) <= 1.01 * abs(
-                            places[1] - places[0]
-                        )
+                        step = 1.01 * abs(places[1] - places[0])
+                        reached = turns.size and abs(places[turns[0]] - found.value) <= step
                         assert (reached or abs(found.value - today) > abs(places[-1] - today)
                                 or abs(found.value) < 0.05 * today), (closure, change, mu)  # fmt: skip
                         use = utilisations(statics, mu, change, found.value)

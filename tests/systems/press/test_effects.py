@@ -96,9 +96,8 @@ def test_the_factor_on_the_loads_and_the_common_preload_act_on_what_is_simulated
 def test_what_speed_takes_is_shared_between_belt_and_spring(effects, share):
     """dT' = −ρAv²/(1 + s), s = (Σcos)² (EA/L)/k1: locked tensioners are s = 0, belts that do not stretch s = ∞."""
     if share is None:
-        arcs = (
-            0.15 * WRAPS[0] + R_LOAD * WRAPS[1] + R_TENS * WRAPS[2]
-        )  # at the rollers' surface, as the page's loop
+        # At the rollers' surface, as the page's loop.
+        arcs = 0.15 * WRAPS[0] + R_LOAD * WRAPS[1] + R_TENS * WRAPS[2]
         s = sum(math.cos(angle) for angle in ANGLES) ** 2 * STIFF / (sum(LENGTHS) + arcs) / SPRING
         share = 1.0 / (1.0 + s)
         assert 0.02 < share < 0.2

@@ -19,16 +19,15 @@ def press(kit):
     return kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
 
 
-@pytest.fixture(scope="module", params=[(1.2, set()), (0.45, {"10"})], ids=str)
-def settling(kit, press, request):
-    """A start-up that ends in the steady run, and what slips on the way."""
-    mu, slipped = request.param
+def settling(kit, press, mu):
+    """Return a start-up that ends in the steady run."""
     times_s = np.linspace(0.0, 40.0, 41)
-    return start_up(press, speed=kit.run_up("ramp", duration_s=0.3), time_s=times_s, friction=mu), slipped
+    return start_up(press, speed=kit.run_up("ramp", duration_s=0.3), time_s=times_s, friction=mu)
 
 
-def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, press, settling):
-    found, slipped = settling
+@pytest.mark.parametrize(("mu", "slipped"), [(1.2, set()), (0.45, {"10"})])
+def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, press, mu, slipped):
+    found = settling(kit, press, mu)
     assert set(found.summary()["first_slip_s"]) >= slipped
     assert bool(found.slips) == bool(slipped)
     assert not any(found.summary()["at_end"].values())
@@ -88,9 +87,8 @@ def test_a_law_that_looks_at_no_tension_has_nothing_to_follow(kit):
     np.testing.assert_array_equal(one.tension_N, other.tension_N)
 
 
-@pytest.mark.parametrize("settling", [(1.2, set())], indirect=True, ids=str)
-def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit, press, settling):
-    found, _ = settling
+def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit, press):
+    found = settling(kit, press, 1.2)
     bare = tuple(
         replace(one, inertia_kg_m2=None, tensioner=one.tensioner and replace(one.tensioner, mass_kg=None))
         for one in press.rollers

@@ -91,10 +91,10 @@ def test_intervals_hold_a_pull_of_heavy_tailed_scatter(special):
 
 
 def test_printed_intervals_hold_the_mean_and_a_pull_quick():
-    """Of 25 campaigns each: at 95 % 20 and fewer are seen once in 140 times."""
+    """Of 15 campaigns each: at 95 % 11 and fewer are seen once in 180 times."""
     for special in ("", "three ropes"):
-        found = coverage(Design("constant", 12, 3, special=special), 25)
-        assert min(found["mean"], found["pull"]) > 0.8, special
+        found = coverage(Design("constant", 12, 3, special=special), 15)
+        assert min(found["mean"], found["pull"]) > 0.75, special
         assert found["dof"] < 4.0 if special == "three ropes" else found["dof"] > 8.0
 
 

@@ -1,10 +1,10 @@
 """The measured blocks of the docs are what the script would write, apart from the machine it ran on."""
 
-import importlib.util
 import math
 from pathlib import Path
 
 import pytest
+import regenerate_readme as script
 import small_campaigns
 
 from ropefric.accuracy.studies import STUDIES
@@ -15,34 +15,28 @@ PAGE = "".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("
 
 
 @pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location(
-        "regenerate_readme", ROOT / "tests" / "regenerate_readme.py"
-    )
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def cost_block():
+    return script.cost_block("Z80")
 
 
-def without_machine(script, block):
+def without_machine(block):
     return [line for line in block.splitlines() if not line.startswith(script.MACHINE_LINE)]
 
 
-def test_the_page_says_what_the_studies_say(script):
-    shown = PAGE.split("<!-- cost -->\n", 1)[1].split("<!-- end -->", 1)[0]
+def test_the_page_says_what_the_studies_say(cost_block):
+    shown = block_of("cost")
     again = "run python tests/regenerate_readme.py"
-    assert without_machine(script, shown) == without_machine(script, script.cost_block("")), again
+    assert without_machine(shown) == without_machine(cost_block), again
     for name in script.PICTURES:
         assert (ROOT / "data" / "pictures" / f"cost-{name}.png").stat().st_size < 80_000
 
 
-def test_every_number_of_the_block_comes_from_a_study(script):
-    block = script.cost_block("Z80")
-    assert block.count("](../data/pictures/cost-") == len(script.PICTURES)
-    assert block.endswith("Times in the pictures: Z80.\n")
+def test_every_number_of_the_block_comes_from_a_study(cost_block):
+    assert cost_block.count("](../data/pictures/cost-") == len(script.PICTURES)
+    assert cost_block.endswith("Times in the pictures: Z80.\n")
     for said in ("512 pieces", "8 points", "error of 4.2 %", "order 24 in one", "steps above 0.51 ms",
                  "4 of 5 effects"):  # fmt: skip
-        assert said in block
+        assert said in cost_block
 
 
 def block_of(name):
@@ -86,7 +80,7 @@ def test_the_page_says_how_often_verdicts_are_wrong():
         assert all(float(share.split("\N{NO-BREAK SPACE}")[0]) <= 100.0 * (0.05 + room) for share in shares)
 
 
-def test_blocks_go_between_their_markers_and_nowhere_else(script):
+def test_blocks_go_between_their_markers_and_nowhere_else():
     text = "a\n<!-- cost -->\nold\nlines\n<!-- end -->\nb\n<!-- other -->\nkept\n<!-- end -->\n"
     made = script.with_blocks(text, {"cost": "new \\1\n", "hard-cases": "not asked for\n"})
     assert made == text.replace("old\nlines\n", "new \\1\n")

@@ -49,9 +49,8 @@ def test_the_window_trades_bias_for_noise_and_the_chosen_one_is_about_as_good_as
     for case in STUDIES["peak"].cases:
         found = {(s.method, s.setting): s.assess() for s in case.settings()}
         window = {int(n.split()[0]): one for (way, n), one in found.items() if way == "moving average"}
-        assert window[301].bias / window[121].bias == pytest.approx(
-            300 / 120, rel=0.12
-        )  # the ramp bends within it
+        # The ramp bends within it.
+        assert window[301].bias / window[121].bias == pytest.approx(300 / 120, rel=0.12)
         assert found["raw maximum", ""].bias > window[3].bias > window[11].bias
         assert case.name != "noisy" or window[3].bias > 10 * abs(window[31].bias)
         best[case.name] = min(window, key=lambda n, window=window: window[n].error)

@@ -77,10 +77,8 @@ def test_errors_that_differ_by_less_than_a_decade_have_a_panel_of_their_own(resu
     drawn = draw_work_precision(
         StudyResult(study=replace(result.study, cases=cases), points=points, quick=True)
     )
-    assert [axes.get_title(loc="left") for axes in drawn.figure.axes] == [
-        "arms: an interval",
-        "coverage: an interval",
-    ]
+    titles = [axes.get_title(loc="left") for axes in drawn.figure.axes]
+    assert titles == ["arms: an interval", "coverage: an interval"]
 
 
 def test_the_page_answers_for_each_accuracy_and_first_for_the_ordinary_cases(result):

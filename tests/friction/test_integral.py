@@ -74,11 +74,6 @@ def test_integrals_agree_with_quadrature(p, delta, b, rate):
     assert found == pytest.approx(exponential, rel=1e-9)
 
 
-def test_zero_wrap_adds_nothing():
-    assert float(integral.power_integral(0.0, 0.2, -0.5, 0.1)) == 0.0
-    assert lift("wrap-power", [0.2, -0.5, 0.1], 0.0, 20) == math.log(20.0)
-
-
 def test_special_functions():
     for z in (-700.0, -40.0, -1.0, -0.1001, -0.0999, -1e-5, 0.0, 1e-12, 0.05, 0.0999, 0.1001, 30.0):
         with mp.workdps(40):

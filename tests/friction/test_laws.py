@@ -40,9 +40,8 @@ def test_many_sets_have_many_rows_and_the_same_rise_alone_or_with_slopes_also_at
     for law in ALL_LAWS.values():
         sets, p = some_sets(law, 6), len(law.parameters)
         if law.admissible(sets, zero).all():
-            assert np.array_equal(law.log_lift_and_jacobian(sets, zero)[0], law.log_lift(sets, zero)), (
-                law.name
-            )
+            together, alone = law.log_lift_and_jacobian(sets, zero)[0], law.log_lift(sets, zero)
+            assert np.array_equal(together, alone), law.name
         assert law.log_lift(sets[0], plan).shape == (216,)
         assert law.jacobian(sets, plan).shape == (6, 216, p)
         coefficients = law.local_mu(sets, plan.wrap_angle_rad, plan), law.average_mu(sets, plan)
@@ -71,15 +70,16 @@ def test_the_local_coefficient_is_the_slope_of_ln_f_and_the_average_one_its_mean
 
 def test_start_values_are_within_the_bounds_and_near_also_of_poor_data(plan):
     """Of one pull or four alike, of whatever force; and those of clean or noisy data find the truth."""
+    some = plan.select(np.arange(0, len(plan), 5))
     for law in ALL_LAWS.values():
         for wraps, rise in (([3.0], 0.5), ([3.0], 40.0), ([3.0] * 4, 0.0), ([3.0] * 4, -0.5)):
             pulls = varied(EULER.select([0] * len(wraps)), wrap_angle_rad=wraps)
             found = guess(law, pulls, pulls.log_end_tension + rise)
             assert (np.isfinite(found) & (law.lower <= found) & (found <= law.upper)).all(), law.name
         fixed = [parameter.fixed for parameter in law.parameters]
-        truth = law.log_lift(np.where(fixed, typical(law), some_sets(law, 1)[0]), plan)
-        rough = guess(law, plan, truth + np.random.default_rng(4).normal(0, 0.017, len(plan)))
-        assert np.abs(law.log_lift(rough, plan) - truth).max() < 0.1, law.name
+        truth = law.log_lift(np.where(fixed, typical(law), some_sets(law, 1)[0]), some)
+        rough = guess(law, some, truth + np.random.default_rng(4).normal(0, 0.017, len(some)))
+        assert np.abs(law.log_lift(rough, some) - truth).max() < 0.1, law.name
 
 
 def test_together_is_refused_where_only_the_slope_has_no_answer():

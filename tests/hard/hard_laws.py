@@ -343,7 +343,7 @@ def extreme_inputs():
 def laws_answer_extremes_or_refuse():
     for name, law in ALL_LAWS.items():
         rng, answered = np.random.default_rng(10), 0
-        for _ in range(12):
+        for _ in range(8):
             settings = rng.choice(EXTREMES, 4)
             if answer(partial(_numbers_of_conditions, settings)) is None:
                 continue
@@ -356,7 +356,7 @@ def laws_answer_extremes_or_refuse():
                      partial(_log_lift_running, law, density, speed, theta, at),
                      partial(guess, law, at, [force]))  # fmt: skip
             answered += sum(answer(call) is not None for call in calls)
-        assert answered > 4, name
+        assert answered > 2, name
 
 
 def _numbers_of_conditions(settings):

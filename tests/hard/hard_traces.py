@@ -248,9 +248,7 @@ def fewer_trials_than_parameters_are_counted():
 def one_value_of_a_regressor_is_named():
     one_wheel, one_wrap, one_load = {"radii": [0.04]}, {"wraps": [6.0]}, {"loads": [20.0]}
     for name, series, said in [("size-power", one_wheel, "only one size ratio"),
-                               ("coupled", one_wheel, "only one size ratio"),
                                ("constant-offset", one_wrap, "only one wrap angle"),
-                               ("wrap-power", one_wrap | one_load, "only one wrap angle"),
                                ("wrap-exponential-from-zero", one_wrap, "only one wrap angle"),
                                ("wrap-power", one_load, "only one end tension")]:  # fmt: skip
         pulls = plan(**series, repeats=2)

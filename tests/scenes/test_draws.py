@@ -55,9 +55,8 @@ def test_a_constant_coefficient_spreads_as_its_closed_form_says(hoist_of):
     std = value * math.sqrt(variance / 3.0)
     noise = std / math.sqrt(N)
     assert lift.mean == pytest.approx(value, abs=4.0 * noise + value * variance / 6.0)
-    assert lift.std == pytest.approx(
-        std, abs=4.0 * noise
-    )  # a flat one scatters less than a normal one: std/√(2N)
+    # A flat one scatters less than a normal one: std/√(2N).
+    assert lift.std == pytest.approx(std, abs=4.0 * noise)
     coefficient = found.numbers["mu_average"]
     assert coefficient.std == pytest.approx(0.001 / math.sqrt(3.0), rel=0.02)
     assert coefficient.quantiles == pytest.approx((0.19905, 0.2, 0.20095), abs=4e-5)  # of a flat distribution
@@ -88,11 +87,10 @@ def test_what_errors_have_in_common_is_known_for_sure_and_normal(hoist_of):
     scene = with_covariance(hoist_of(effects="all"), 1e-4)
     roots = directions(np.asarray(scene.source.fit.covariance)).T
     shared = tuple(
-        CommonError(name=str(i), unit="", std=1.0, change=tuple(root)) for i, root in enumerate(roots)
+        CommonError(name=str(i), unit="", std=1.0, change=tuple(one)) for i, one in enumerate(roots)
     )
-    found = draw_scene(with_covariance(scene, 1.0, dof=3.0, common=shared), N, level=0.9).numbers[
-        "lift_force_N"
-    ]
+    drawn = draw_scene(with_covariance(scene, 1.0, dof=3.0, common=shared), N, level=0.9)
+    found = drawn.numbers["lift_force_N"]
     std = solve_scene(scene).quantities[0].std[0]
     assert found.std == pytest.approx(std, rel=4.0 / math.sqrt(2 * N))
     assert (found.quantiles[2] - found.quantiles[0]) / std == pytest.approx(2.0 * 1.645, rel=0.04)
@@ -132,9 +130,8 @@ def test_each_draw_is_the_scene_with_what_was_drawn(loaded, scene_of, name, tole
 def test_every_law_takes_parameters_of_its_own_for_each_case():
     for name in ALL_LAWS:
         law, rng = ALL_LAWS[name], np.random.default_rng(3)
-        theta = np.array([one.start for one in law.parameters]) * rng.uniform(
-            0.95, 1.05, (4, len(law.parameters))
-        )
+        start = np.array([one.start for one in law.parameters])
+        theta = start * rng.uniform(0.95, 1.05, (4, start.size))
         at = {"wheel_radius_m": rng.uniform(0.03, 0.05, 4), "rope_radius_m": 0.005,
               "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
               "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4))}  # fmt: skip

@@ -57,12 +57,9 @@ def test_times_are_medians_of_runs_in_turn_and_what_is_less_than_their_spread_is
     assert (told.planned_s, told.all_s, told.spread_s) == (1.0, 1.0, 0.0)
     assert told.to_dict()["measured"]["difference"] <= told.plan.error_bound
     assert all(one.time_spread_s == 0.0 for one in told.plan.decisions if not math.isnan(one.worth))
-    assert all(math.isnan(one.time_s) for one in told.plan.decisions), (
-        "no effect takes any time by this clock"
-    )
-    assert "the difference is below what the clock resolves here, 0 µs" in " ".join(
-        as_text(explanation_sections(told)).split()
-    )
+    assert all(math.isnan(one.time_s) for one in told.plan.decisions), "none takes time by this clock"
+    said = " ".join(as_text(explanation_sections(told)).split())
+    assert "the difference is below what the clock resolves here, 0 µs" in said
 
 
 def test_without_measuring_nothing_is_timed(hoist_of):

@@ -29,12 +29,10 @@ def test_the_limit_of_both_sides_and_the_smaller_of_them(saw):
     section = Section(width_m=0.085, thickness_m=0.0009, density_kg_m3=0.5967 / 7.65e-5,
                       young_modulus_Pa=206e9, shear_modulus_Pa=79.4e9)  # fmt: skip
     for side, sign in (("tight", 1.0), ("slack", -1.0)):
-        net_N = 3412.0 + sign * float(
-            solution.scene.problem.pull_N[0]
-        )  # kappa = 1: the inertia tension drops out
-        assert tree[side]["feed_limit_N"] == pytest.approx(
-            feed_limit_N([net_N], section, CLAMPED, 1.6)[0], rel=1e-9
-        )
+        # kappa = 1: the inertia tension drops out.
+        net_N = 3412.0 + sign * float(solution.scene.problem.pull_N[0])
+        wanted_N = feed_limit_N([net_N], section, CLAMPED, 1.6)[0]
+        assert tree[side]["feed_limit_N"] == pytest.approx(wanted_N, rel=1e-9)
     assert "feed_limit_N" not in tree["rest"]
     assert tree["feed"] == {"force_N": 100.0, "limit_N": tree["slack"]["feed_limit_N"]}
     assert not solution.failures

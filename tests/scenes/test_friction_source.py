@@ -68,6 +68,7 @@ def test_a_number_or_a_bare_law_has_no_uncertainty(hoist_of):
     tree = solve_scene(hoist_of(friction={"mu": 0.2})).to_dict()
     assert "std_N" not in tree
     assert tree["extrapolated"] is False
+    assert not any("extrapolated" in warning for warning in tree["warnings"])
 
 
 def test_a_wheel_outside_the_tests_is_flagged(hoist_of):

@@ -8,13 +8,9 @@ from ropefric.scenes.solve import solve_scene
 
 @pytest.mark.parametrize(
     ("name", "effects"),
-    [
-        ("belt-press", ["squeeze-load", "belt-inertia"]),
-        ("climbing-hoist", ["size"]),
-        ("belt-drive", ["wedge"]),
-        ("cable-pull", ["wrap-dependence"]),
-    ],
-)
+    [("belt-press", ["squeeze-load", "belt-inertia"]), ("climbing-hoist", ["size"]), ("belt-drive", ["wedge"]),
+     ("cable-pull", ["wrap-dependence"])],
+)  # fmt: skip
 def test_every_number_of_a_list_keeps_its_own_bound(loaded, scene_of, name, effects):
     tree = loaded(name).document.data
     listed, whole = (solve_scene(scene_of(**tree | {"effects": one})) for one in (effects, "all"))
@@ -23,16 +19,11 @@ def test_every_number_of_a_list_keeps_its_own_bound(loaded, scene_of, name, effe
     off = {key: abs(value_at(told, key) - value_at(wanted, key)) for key in listed.own_bounds
            if value_at(wanted, key) is not None and value_at(told, key) is not None}  # fmt: skip
     assert max(off.values()) > 0.0
+    assert name != "belt-press" or told["slip"]["2"]["utilisation"] == 0.0
+    assert name != "belt-press" or listed.own_bounds["slip.2.utilisation"] == pytest.approx(0.5307, abs=1e-4)
     for key, one in off.items():
         assert one <= listed.own_bounds[key] * (1.0 + 1e-9), key
     assert whole.own_bounds == {}
-
-
-def test_a_roller_shown_with_zero_has_the_bound_of_what_it_is(loaded, scene_of):
-    tree = loaded("belt-press").document.data | {"effects": ["squeeze-load", "belt-inertia"]}
-    found = solve_scene(scene_of(**tree))
-    assert found.to_dict()["slip"]["2"]["utilisation"] == 0.0
-    assert found.own_bounds["slip.2.utilisation"] == pytest.approx(0.5307, abs=1e-4)
 
 
 def six_rollers():

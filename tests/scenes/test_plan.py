@@ -67,7 +67,7 @@ def test_what_has_no_bound_is_simulated_whatever_it_costs():
 
 
 def test_what_is_quick_is_solved_whole_at_any_accuracy(loaded):
-    for name in [
+    for name in (
         "hoist",
         "climbing-hoist",
         "traction",
@@ -75,7 +75,7 @@ def test_what_is_quick_is_solved_whole_at_any_accuracy(loaded):
         "fast-belt-press",
         "cable-pull",
         "tendon",
-    ]:
+    ):
         scene = loaded(name)
         plan, _ = make_plan(scene.kind.system, scene.problem, accuracy=0.5, effects="auto")
         assert plan.left_out == (), name
@@ -94,9 +94,7 @@ def test_a_list_is_as_far_from_everything_as_it_is_found_to_be(loaded, scene_of)
     assert saw.plan.left_out == ("bending", "torsion")
     assert 0.07 < saw.plan.error_bound < 0.2
     started = loaded("press-start-up").document.data | {"effects": ["gravity-load"]}
-    assert math.isinf(solve_scene(scene_of(**started)).plan.error_bound), (
-        "a start-up is dear and has no bound"
-    )
+    assert math.isinf(solve_scene(scene_of(**started)).plan.error_bound), "dear, and without a bound"
 
 
 def test_an_effect_is_added_by_one_declaration():
@@ -133,9 +131,7 @@ def test_an_effect_is_added_by_one_declaration():
 
 
 def test_a_named_effect_without_its_data_names_the_key(hoist_of):
-    with pytest.raises(
-        InputError, match=r"bending-stiffness cannot be simulated without rope\.bending_stiffness"
-    ):
+    with pytest.raises(InputError, match=r"bending-stiffness cannot .* without rope\.bending_stiffness"):
         make_plan(SYSTEM, hoist_of().problem, accuracy=0.01, effects=("bending-stiffness",))
     with pytest.raises(DataError, match=r"effects.*rope\.bending_stiffness"):
         solve_scene(hoist_of(effects=["bending-stiffness"]))

@@ -24,10 +24,8 @@ def press(loaded):
 def test_slip_by_every_measure(press):
     for roller, all_wanted in SLIP.items():
         for (measure, tolerance), wanted in zip(HALF_DIGIT.items(), all_wanted, strict=True):
-            assert press["slip"][roller][measure] == pytest.approx(wanted, abs=tolerance * 1.001), (
-                roller,
-                measure,
-            )
+            found = press["slip"][roller][measure]
+            assert found == pytest.approx(wanted, abs=tolerance * 1.001), (roller, measure)
 
 
 def test_roller_2_is_first_to_slip_and_what_makes_it(press):
@@ -71,10 +69,8 @@ def test_loads_from_the_sludge_are_the_torques_of_its_equations(loaded, scene_of
                           "zones": {"2": "1.2 m"}},
               "squeeze": {"width": "2 m", "compression": "10 mm", "strength": "30 kPa", "poisson_ratio": 0.3,
                           "youngs_modulus": "300 kPa", "units": {"6": 2}}}  # fmt: skip
-    found = {
-        one.name: one
-        for one in scene_of(**tree | {"rollers": rollers, "sludge": sludge}).problem.press.rollers
-    }
+    press = scene_of(**tree | {"rollers": rollers, "sludge": sludge}).problem.press
+    found = {one.name: one for one in press.rollers}
     wanted = 0.25 * 1000.0 * 9.80665 * 0.06 * 2.0 * 1.2 * found["2"].radius_m
     assert found["2"].gravity_torque_N_m == pytest.approx(wanted, rel=1e-3)
     wanted = 2.0 * found["6"].radius_m * 2 * 0.01 * (1.0 + 0.3) * 30e3**2 / (3.0 * 300e3)

@@ -20,10 +20,10 @@ def parameters(law, rng):
 
 def test_a_law_that_weakens_keeps_to_what_that_means():
     for name in WEAKENING:
-        law, rng, n = ALL_LAWS[name], np.random.default_rng(1), 60
+        law, rng, n = ALL_LAWS[name], np.random.default_rng(1), 40
         wrap = np.geomspace(1e-3, 40.0, n)
         checked = 0
-        for _ in range(30):
+        for _ in range(20):
             theta = parameters(law, rng)
             own = {"wheel_radius_m": 10.0 ** rng.uniform(-2.0, 0.0),
                    "rope_radius_m": 10.0 ** rng.uniform(-3.5, -2.0),
@@ -42,18 +42,15 @@ def test_a_law_that_weakens_keeps_to_what_that_means():
             tiny = 1e-9 * (1.0 + np.abs(by_wrap).max())
             average, slopes = by_wrap / wrap, np.diff(by_wrap) / np.diff(wrap)
             assert by_wrap[0] >= -tiny, name
-            assert (np.diff(slopes) <= 1e-9 * (1.0 + slopes.max()) + tiny / np.diff(wrap)[:-1]).all(), (
-                "concave"
-            )
+            bent = np.diff(slopes) - tiny / np.diff(wrap)[:-1]
+            assert (bent <= 1e-9 * (1.0 + slopes.max())).all(), "concave"
             assert (np.diff(average) <= 1e-9 * average[:-1] + 1e-12).all(), name
             tension = np.geomspace(1.0, 1e5, n)
             by_tension = rise(end_tension_N=tension)
             assert (np.diff(by_tension) <= tiny).all(), "falls with the tension …"
-            assert (np.diff(by_tension) >= -np.diff(np.log(tension)) - tiny).all(), (
-                "… and no faster than it rises"
-            )
+            assert (np.diff(by_tension + np.log(tension)) >= -tiny).all(), "… no faster than it rises"
             for key in ("wheel_radius_m", "rope_radius_m"):
                 steps = np.diff(rise(**{key: own[key] * np.geomspace(0.1, 10.0, n)}))
                 assert (steps <= tiny).all() or (steps >= -tiny).all(), key
                 assert "size" in law.effects or not steps.any(), key
-        assert checked > 7, name
+        assert checked > 4, name

@@ -1,20 +1,12 @@
 """The saw of Wang and Jiang (2010) and their printed numbers."""
 
-import csv
 import math
-from pathlib import Path
 
 import pytest
+from paper import rows
 
 from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.saw import STEEL_85_09, Side, tension_difference_N, torque_N_m
-
-PUBLISHED = Path(__file__).parents[3] / "data" / "published"
-
-
-def rows(name):
-    with (PUBLISHED / name).open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
 
 
 @pytest.fixture(scope="session")

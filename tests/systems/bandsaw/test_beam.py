@@ -49,9 +49,8 @@ def test_closed_forms_at_rest():
         if stiffness == 1e6:
             clamped = solve_beam(ScaledBeam.at_speed(stiffness, 0.0, CLAMPED), 3).frequencies
             mu = np.array([4.730040744862704, 7.853204624095838, 10.995607838001671])
-            np.testing.assert_allclose(
-                clamped, 1e3 * mu**2, rtol=2e-8
-            )  # the tension still has its share of 1e-6/40
+            # The tension still has its share of 1e-6/40.
+            np.testing.assert_allclose(clamped, 1e3 * mu**2, rtol=2e-8)
 
 
 @BOTH
@@ -65,21 +64,13 @@ def test_two_discretisations_agree(ends, log_stiffness, speed):
 
 @BOTH
 def test_error_halves_with_the_expected_power(ends):
-    """Elements by a power of their length, single polynomials faster than any power."""
+    """Polynomials of degree p, a fourth-order operator: h^2(p-1)."""
     beam = ScaledBeam.at_speed(1e-2, 0.5, ends)
     exact_ = solve_beam(beam, 3, accuracy=1e-13).frequencies
-    for order, power in ((3, 4), (4, 6)):  # polynomials of degree p, a fourth-order operator: h^2(p-1)
+    for order, power in ((3, 4), (4, 6)):
         errors = [np.abs(galerkin_modes(beam, (1.0 / n,) * n, order, 3).frequencies / exact_ - 1.0)
                   for n in (16, 32)]  # fmt: skip
         np.testing.assert_allclose(np.log2(errors[0] / errors[1]), power, atol=0.12)
-    errors = [
-        np.abs(galerkin_modes(beam, (1.0,), p, 3).frequencies / exact_ - 1.0).max() for p in (8, 12, 16)
-    ]
-    assert errors[1] < errors[0] * 1e-3
-    assert errors[2] < errors[1] * 1e-3
-    errors = [np.abs(chebyshev_frequencies(beam, p, 3) / exact_ - 1.0).max() for p in (16, 22, 28)]
-    assert errors[1] < errors[0] * 1e-2
-    assert errors[2] < errors[1] * 1e-2
 
 
 def test_clamped_at_rest_follows_its_expansion_to_third_order():
@@ -192,23 +183,11 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
 
 
 def test_refusals():
-    for call, error, words in [
-        (lambda: order_for(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 600, 1e-6), SolverError, "above 400"),
-        (lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6), InputError,
-         "16 or more")
-    ]:  # fmt: skip
-        with pytest.raises(error, match=words):
-            call()
-
-
-@pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
-def test_many_modes_settle(ends):
-    modes = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-9)
-    other = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-12)
-    np.testing.assert_allclose(modes.frequencies, other.frequencies, rtol=1e-9)
-    assert (modes.orders < other.orders).all()
-    assert modes.n_elements == 3
-    assert not modes.frequencies.flags.writeable
+    beam = ScaledBeam.at_speed(1e-2, 0.5, PINNED)
+    with pytest.raises(SolverError, match="above 400"):
+        order_for(beam, 600, 1e-6)
+    with pytest.raises(InputError, match="16 or more"):
+        chebyshev_frequencies(beam, 10, 6)
 
 
 def drawn_beams(count, seed):
@@ -251,4 +230,5 @@ def test_the_order_is_raised_for_the_modes_that_need_it_alone(monkeypatch):
     assert found.orders[0] == 13 < found.orders[-1]
     assert (np.diff(found.orders) >= 0).all()
     assert (found.errors <= 1e-6).all()
+    assert not found.frequencies.flags.writeable
     np.testing.assert_allclose(found.frequencies, wanted, rtol=1e-6)

@@ -6,11 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from paper import law_of
 from scipy.optimize import brentq
 
 from ropefric.errors import InputError
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.beam import ScaledBeam, solve_beam
@@ -62,9 +61,8 @@ def test_the_string_is_eq_8_with_the_tension_that_the_effects_give(full_problem)
             tension_N = PRELOAD + side.sign * pull * 0.5 * PULL + kappa * RHO * SPEED**2
             found = answer.sides[side]
             assert found.tension_N[0] == pytest.approx(tension_N, rel=1e-14), effects
-            assert found.frequencies_Hz[0] == pytest.approx(string_Hz(tension_N, speed * SPEED), rel=1e-13), (
-                effects
-            )
+            wanted_Hz = string_Hz(tension_N, speed * SPEED)
+            assert found.frequencies_Hz[0] == pytest.approx(wanted_Hz, rel=1e-13), effects
         assert answer.sides[R].frequencies_Hz[0] == pytest.approx(string_Hz(PRELOAD), rel=1e-14), effects
 
 
@@ -73,10 +71,8 @@ def test_torsion_adds_its_frequencies_and_changes_no_other(full_problem):
     assert SYSTEM.distance(without, with_it, with_it) == 0.0
     assert without.sides[T].torsion_Hz is None
     section = full_problem.section
-    stiff = (
-        4.0 * section.shear_modulus_Pa / section.density_kg_m3 * (section.thickness_m / section.width_m) ** 2
-    )
-    c_t = math.sqrt(PRELOAD / RHO + stiff)
+    slender, wave = section.thickness_m / section.width_m, section.shear_modulus_Pa / section.density_kg_m3
+    c_t = math.sqrt(PRELOAD / RHO + 4.0 * wave * slender**2)
     for side, speed in ((T, SPEED), (R, 0.0)):
         wanted = np.arange(1, 5) * (c_t**2 - speed**2) / (2.0 * LENGTH * c_t)
         assert with_it.sides[side].torsion_Hz[0] == pytest.approx(wanted, rel=1e-12)
@@ -97,8 +93,7 @@ def test_all_effects_are_the_moving_beam_under_the_sum_of_the_tensions(full_prob
 def test_the_wheels_grip_is_counted_from_what_the_slack_side_presses(full_problem):
     """U = ΔF/((F_slack − ρAv²)(e^M − 1)), M of a power law by its integral from the slack side's angle."""
     a, b, c = 0.15, -0.4, 0.05
-    friction = WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([a, b, c]),
-                            reference=one_condition(0.35, 4.5e-4, 3.0, 100.0))  # fmt: skip
+    friction = law_of("wrap-power", [a, b, c], (0.35, 4.5e-4, 3.0, 100.0))
     answer = solved(replace(full_problem, friction=friction), ["tension-difference", "travel"])
     slack_N = PRELOAD - 0.5 * PULL - RHO * SPEED**2
 
@@ -170,11 +165,7 @@ def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades():
     """To first order in what bends a free end, and in the layer at a held one: nothing is given away."""
     for ends in [PINNED, CLAMPED]:
         for V in [0.0, 0.5, 0.9]:
-            e = 1e-4
-            assert shifts(ends, e, V, 3)[2] == pytest.approx(bending_bound(ends, e, V, 3), rel=2e-3), (
-                ends,
-                V,
-            )
+            assert shifts(ends, 1e-4, V, 3)[2] == pytest.approx(bending_bound(ends, 1e-4, V, 3), rel=2e-3)
 
 
 def test_bending_whose_layers_fill_the_span_has_no_bound():

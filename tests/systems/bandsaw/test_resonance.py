@@ -88,7 +88,7 @@ def test_the_recommended_preload_is_the_nearest_that_keeps_the_margin(saw, stiff
     assert found.margin == pytest.approx(0.15, rel=1e-6)
     assert nearest(stiff, excitations, found.preload_N, n_modes) == pytest.approx(0.15, rel=1e-6)
     # By trying: everything nearer to the present preload is too near to an excitation.
-    for preload in np.linspace(saw.preload_N[0], found.preload_N, 8)[:-1]:
+    for preload in np.linspace(saw.preload_N[0], found.preload_N, 5)[:-1]:
         assert nearest(stiff, excitations, float(preload), n_modes) < 0.15
     kept = recommend_preload(replace(stiff, preload_N=found.preload_N * 1.001), excitations, margin=0.15,
                              range_N=(2500.0, 7000.0), n_modes=n_modes)  # fmt: skip
@@ -123,15 +123,11 @@ def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(
 
 
 def test_refusals(saw):
-    for call, words in [
-        (lambda saw: find_crossings(saw, T, (wheel_rotation(0.35),), [10.0, 90.0]), "critical speed is 76.7"),
-        (
-            lambda saw: recommend_preload(saw, (wheel_rotation(0.35),), margin=0.3, range_N=(500.0, 6000.0)),
-            "critical speed",
-        ),
-    ]:
-        with pytest.raises(InputError, match=words):
-            call(saw)
+    once = (wheel_rotation(0.35),)
+    with pytest.raises(InputError, match=r"critical speed is 76\.7"):
+        find_crossings(saw, T, once, [10.0, 90.0])
+    with pytest.raises(InputError, match="critical speed"):
+        recommend_preload(saw, once, margin=0.3, range_N=(500.0, 6000.0))
 
 
 @pytest.mark.parametrize(("what", "ends"), [("speed_m_s", (0.0, 88.0)), ("preload_N", (700.0, 9000.0))])

@@ -1,10 +1,7 @@
-import numpy as np
 import pytest
+from paper import law_of
 
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.systems.effect import assemble
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM
 
@@ -14,9 +11,7 @@ COUPLED = (0.46, -0.22, -0.3, -0.48, 0.055)
 @pytest.fixture(scope="session")
 def coupled():
     """The law of the bundled campaign, with a reference amid its tests."""
-    return WrapFriction(
-        law=ALL_LAWS["coupled"], theta=np.array(COUPLED), reference=one_condition(0.05, 0.0049, 6.0, 60.0)
-    )
+    return law_of("coupled", COUPLED, (0.05, 0.0049, 6.0, 60.0))
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import law_of
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -95,9 +96,8 @@ def test_the_factor_on_the_loads_and_the_common_preload_act_on_what_is_simulated
 def test_what_speed_takes_is_shared_between_belt_and_spring(effects, share):
     """dT' = −ρAv²/(1 + s), s = (Σcos)² (EA/L)/k1: locked tensioners are s = 0, belts that do not stretch s = ∞."""
     if share is None:
-        arcs = (
-            0.15 * WRAPS[0] + R_LOAD * WRAPS[1] + R_TENS * WRAPS[2]
-        )  # at the rollers' surface, as the page's loop
+        # At the rollers' surface, as the page's loop.
+        arcs = 0.15 * WRAPS[0] + R_LOAD * WRAPS[1] + R_TENS * WRAPS[2]
         s = sum(math.cos(angle) for angle in ANGLES) ** 2 * STIFF / (sum(LENGTHS) + arcs) / SPRING
         share = 1.0 / (1.0 + s)
         assert 0.02 < share < 0.2
@@ -149,8 +149,7 @@ def test_a_law_is_integrated_over_the_wrap_from_the_angle_of_the_slack_tension(t
 @pytest.mark.parametrize("told", [True, False])
 def test_size_is_the_rollers_radius_over_half_the_belts_thickness(told):
     mu_inf, a, b = 0.9, -0.03, -0.2
-    friction = WrapFriction(law=ALL_LAWS["size-exponential"], theta=np.array([mu_inf, a, b]),
-                            reference=one_condition(0.12, 0.0025, 2.0, 900.0))  # fmt: skip
+    friction = law_of("size-exponential", [mu_inf, a, b], (0.12, 0.0025, 2.0, 900.0))
     radii = np.array([0.15, R_LOAD, R_TENS]) if told else np.full(3, 0.12)
     mu = mu_inf * (1.0 - np.exp(a * radii / (0.5 * THICK) + b))
     found = solved(small_press(friction), [*LOADS, "size"] if told else LOADS).slip.utilisation[0]

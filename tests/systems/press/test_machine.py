@@ -4,14 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import with_roller
 
 from ropefric.errors import DataError
 from ropefric.systems.press.machine import Press, Roller
-
-
-def with_roller(press, which, **changes):
-    rollers = tuple(replace(r, **changes) if r.name == which else r for r in press.rollers)
-    return replace(press, rollers=rollers)
 
 
 def with_belt(press, which, **changes):

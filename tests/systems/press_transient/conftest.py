@@ -6,21 +6,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from paper import press_data, printed_press
 
 from ropefric.accuracy.studies.press_transient import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.motion import ElasticPress
 
-RADII_MM = [175, 75, 75, 75, 250, 200, 175, 150, 100, 175, 75, 75, 75]
-WRAPS_DEG = [177.6, 28.1, 163.3, 28.1, 56.7, 131.8, 157.0, 147.2, 91.1, 81.4, 79.6, 64.1, 126.1]
-GRAVITY_N_M = {2: 26.2, 3: 26.2, 5: 15.0, 13: 4.5}
-SQUEEZE_N_M = {5: 84.0, 6: 33.6, 7: 29.4, 8: 25.2, 9: 16.8}
-BETA, GAMMA = math.radians(19.9), math.radians(56.7)
+DATA = press_data()
 # Between 0.5 and 2 m, the shorter ones between the press rollers.
 LENGTHS_M = {1: 1.5, 2: 2.0, 3: 1.0, 4: 1.0, 5: 0.6, 6: 0.6, 7: 0.5, 8: 0.5, 9: 1.0, 10: 0.8, 11: 1.5, 12: 2.0,
              13: 1.0, 14: 1.2}  # fmt: skip
-SPEED_M_S = 0.175 * 50.0 * 2.0 * math.pi / 60.0
+SPEED_M_S = 0.175 * DATA["driver_speed"]
 
 
 def tube_inertia(radius_m, wall_m=0.009, length_m=2.2):
@@ -29,28 +26,19 @@ def tube_inertia(radius_m, wall_m=0.009, length_m=2.2):
 
 def paper_machine(*, EA_N=2e6, eta_s=1e-3, C1=500.0, k1=2e4, force_N=2000.0, load=1.0, density=15.0,
                   overspeed=None, travel_m=0.03):  # fmt: skip
-    angles = {3: (0.0, BETA), 13: (GAMMA, 0.0)}
-    rollers = []
-    for i, (radius_mm, wrap_deg) in enumerate(zip(RADII_MM, WRAPS_DEG, strict=True), 1):
-        tensioner = None
-        if i in angles:
-            tensioner = Tensioner(
-                spring_N_m=k1, travel_m=travel_m, force_N=force_N, mass_kg=121.0, damping_N_s_m=C1,
-                upstream_angle_rad=angles[i][0], downstream_angle_rad=angles[i][1],
-            )  # fmt: skip
-        rollers.append(Roller(name=str(i), radius_m=1e-3 * radius_mm, wrap_angle_rad=math.radians(wrap_deg),
-                              role="driver" if i in {1, 10} else "tensioner" if tensioner else "driven",
-                              tensioner=tensioner, inertia_kg_m2=tube_inertia(1e-3 * radius_mm),
-                              gravity_torque_N_m=load * GRAVITY_N_M.get(i, 0.0),
-                              squeeze_torque_N_m=load * SQUEEZE_N_M.get(i, 0.0),
-                              overspeed=overspeed if i == 10 else None))  # fmt: skip
-    belts = [Belt(name=name, loop=tuple(str(i) for i in loop), linear_density_kg_m=density,
-                  thickness_m=0.005, width_m=2.0, axial_stiffness_N=EA_N, damping_s=eta_s,
-                  span_lengths_m=tuple(LENGTHS_M[i] for i in spans))
-             for name, loop, spans in (("upper", (1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 4, 5, 6, 7, 8, 9)),
-                                       ("lower", (9, 10, 11, 12, 13, 5, 6, 7, 8),
-                                        (10, 11, 12, 13, 14, 5, 6, 7, 8)))]  # fmt: skip
-    return Press(rollers=tuple(rollers), belts=tuple(belts), speed_m_s=SPEED_M_S)
+    bare, rollers = printed_press(), []
+    for one in bare.rollers:
+        tensioner = one.tensioner and replace(one.tensioner, spring_N_m=k1, travel_m=travel_m, force_N=force_N,
+                                              mass_kg=121.0, damping_N_s_m=C1)  # fmt: skip
+        rollers.append(replace(one, tensioner=tensioner, inertia_kg_m2=tube_inertia(one.radius_m),
+                               gravity_torque_N_m=load * one.gravity_torque_N_m,
+                               squeeze_torque_N_m=load * one.squeeze_torque_N_m,
+                               overspeed=overspeed if one.name == "10" else None))  # fmt: skip
+    ways = range(1, 10), (10, 11, 12, 13, 14, 5, 6, 7, 8)
+    belts = [replace(belt, linear_density_kg_m=density, axial_stiffness_N=EA_N, damping_s=eta_s,
+                     span_lengths_m=tuple(LENGTHS_M[i] for i in spans))
+             for belt, spans in zip(bare.belts, ways, strict=True)]  # fmt: skip
+    return replace(bare, rollers=tuple(rollers), belts=tuple(belts))
 
 
 def small_machine(*, EA_N=2e5, eta_s=2e-3, load_N_m=20.0, k1=1e4, C1=200.0, wrap_rad=2.0, force_N=900.0):
@@ -106,23 +94,10 @@ def kit():
     """Machines, drives and shortcuts."""
     return SimpleNamespace(
         paper=paper_machine, small=small_machine, run_up=run_up, problem=linear_problem, solve=solve,
-        random=random_start, lengths_m=LENGTHS_M, beta=BETA, gamma=GAMMA, speed_m_s=SPEED_M_S,
+        random=random_start, lengths_m=LENGTHS_M, beta=DATA["beta"], gamma=DATA["gamma"], speed_m_s=SPEED_M_S,
     )  # fmt: skip
 
 
 @pytest.fixture
 def random_state():
     return np.random.default_rng(20150207)
-
-
-@pytest.fixture
-def paper_without_data():
-    """The machine as printed: no stiffness, lengths, inertia or mass."""
-    whole = paper_machine()
-    rollers = tuple(replace(roller, inertia_kg_m2=None,
-                            tensioner=None if roller.tensioner is None else replace(
-                                roller.tensioner, mass_kg=None
-                            ))
-                    for roller in whole.rollers)  # fmt: skip
-    belts = tuple(replace(belt, axial_stiffness_N=None, span_lengths_m=None) for belt in whole.belts)
-    return replace(whole, rollers=rollers, belts=belts)

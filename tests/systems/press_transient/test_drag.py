@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from paper import density_on_rollers
 from scipy.integrate import solve_ivp
 
 from ropefric.errors import SolverError
@@ -43,9 +44,7 @@ def regularised(press, speed, loads, times_s, mu, rtol=1e-7):  # noqa: PLR0917  
     )
     level = np.linalg.solve(P @ press.carried.T, [p.spring_N_m * p.travel_m + p.force_N for p in parts])
     T0 = level @ press.carried
-    density = np.array(
-        [sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers]
-    )
+    density = density_on_rollers(press)
     arc, E = density * R * wrap, np.exp(mu * wrap)
     kappa = mu * wrap / (E - 1.0)
     load, final = press.rim_load_N, float(speed(speed.x[-2]))

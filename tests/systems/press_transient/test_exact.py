@@ -32,13 +32,12 @@ def test_a_step_of_one_equation_by_hand(rate):
 
 
 def test_energies_add_up(kit):
-    for law in ["s-curve", "ramp"]:
-        for EA_N, eta_s in [(2e6, 0.0), (2e6, 1e-3), (1e8, 0.1), (1e8, 1e-3)]:
-            press, times_s = kit.paper(EA_N=EA_N, eta_s=eta_s), np.linspace(0.0, 2.5, 51)
-            found = start_up(press, speed=kit.run_up(law), time_s=times_s, friction=1.2).energy
-            assert found.relative_residual < 1e-6, (law, EA_N)
-            for name in ("belt", "tensioner"):
-                assert (np.diff(getattr(found, name)) >= -1e-6 * found.drive[-1]).all(), (law, EA_N)
+    for law, EA_N, eta_s in [("ramp", 2e6, 0.0), ("s-curve", 1e8, 0.1), ("ramp", 1e8, 1e-3)]:
+        press, times_s = kit.paper(EA_N=EA_N, eta_s=eta_s), np.linspace(0.0, 2.5, 51)
+        found = start_up(press, speed=kit.run_up(law), time_s=times_s, friction=1.2).energy
+        assert found.relative_residual < 1e-6, (law, EA_N)
+        for name in ("belt", "tensioner"):
+            assert (np.diff(getattr(found, name)) >= -1e-6 * found.drive[-1]).all(), (law, EA_N)
 
 
 @pytest.mark.parametrize(("EA_N", "eta_s"), [(2e6, 1e-2), (1e8, 0.1)])

@@ -122,9 +122,9 @@ def test_what_is_left_out_is_absent(kit):
         ), part
 
 
-def test_missing_data_is_named(paper_without_data):
+def test_missing_data_is_named(paper_press):
     with pytest.raises(InputError) as caught:
-        ElasticPress(paper_without_data)
+        ElasticPress(paper_press)
     keys = {problem.key for problem in caught.value.problems}
     assert {"belts.upper.axial_stiffness_N", "belts.lower.span_lengths_m", "rollers.2.inertia_kg_m2"} <= keys
     assert "rollers.3.tensioner.mass_kg" in keys

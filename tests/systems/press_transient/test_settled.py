@@ -4,25 +4,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import density_on_rollers, law_of
 
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import LAWS
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled, settled_press
 from ropefric.systems.press.transient.start_up import start_up
 
-LAW = WrapFriction(
-    law=LAWS["wrap-power"], theta=np.array([1.2, -0.4, 0.1]), reference=one_condition(0.1, 0.0025, 2.0, 500.0)
-)
+LAW = law_of("wrap-power", [1.2, -0.4, 0.1], (0.1, 0.0025, 2.0, 500.0))
+
+
+@pytest.fixture(scope="module")
+def press(kit):
+    """Damped enough to settle in some seconds."""
+    return kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
+
+
+def settling(kit, press, mu):
+    """Return a start-up that ends in the steady run."""
+    times_s = np.linspace(0.0, 40.0, 41)
+    return start_up(press, speed=kit.run_up("ramp", duration_s=0.3), time_s=times_s, friction=mu)
 
 
 @pytest.mark.parametrize(("mu", "slipped"), [(1.2, set()), (0.45, {"10"})])
-def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, slipped):
-    press = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
-    found = start_up(
-        press, speed=kit.run_up("ramp", duration_s=0.3), time_s=np.linspace(0.0, 25.0, 26), friction=mu
-    )
+def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, press, mu, slipped):
+    found = settling(kit, press, mu)
     assert set(found.summary()["first_slip_s"]) >= slipped
     assert bool(found.slips) == bool(slipped)
     assert not any(found.summary()["at_end"].values())
@@ -82,10 +87,8 @@ def test_a_law_that_looks_at_no_tension_has_nothing_to_follow(kit):
     np.testing.assert_array_equal(one.tension_N, other.tension_N)
 
 
-def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit):
-    press = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
-    found = start_up(press, speed=kit.run_up("ramp", duration_s=0.3), time_s=np.linspace(0.0, 40.0, 41),
-                     friction=1.2)  # fmt: skip
+def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit, press):
+    found = settling(kit, press, 1.2)
     bare = tuple(
         replace(one, inertia_kg_m2=None, tensioner=one.tensioner and replace(one.tensioner, mass_kg=None))
         for one in press.rollers
@@ -100,14 +103,11 @@ def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit):
     np.testing.assert_allclose(ends.tension_N - model.preload_N, model.stiffness_N_m * stretch_m, rtol=1e-9)
 
 
-def test_the_factor_of_eq_37_over_a_start_up(kit):
+def test_the_factor_of_eq_37_over_a_start_up(kit, press):
     """By hand from the tensions, and with the acceleration of the smooth run-up: (37), and (38) at its end."""
-    press, mu = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0), 1.2
-    times = np.linspace(0.0, 40.0, 4001)
+    mu, times = 1.2, np.linspace(0.0, 40.0, 4001)
     found = start_up(press, speed=kit.run_up("s-curve", duration_s=2.0), time_s=times, friction=mu)
-    density = np.array(
-        [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in press.rollers]
-    )
+    density = density_on_rollers(press)
     rims = found.roller_speed_rad_s * press.radius_m
     momentum_N = rims[:, :1] ** 2 * press.density_kg_m
     sides_N = [(found.tension_N - momentum_N) @ side.T for side in (press.into, press.out_of)]

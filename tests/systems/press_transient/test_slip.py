@@ -6,11 +6,10 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
+from paper import density_on_rollers, law_of
 from scipy.integrate import solve_ivp
 from thinned import slow, thinned
 
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.transient.motion import (
     ElasticPress,
@@ -41,9 +40,7 @@ def slack_start(kit):
 def sides(found):
     """T' before and behind each roller, the belt's acceleration there, and the mass of the belt on it."""
     press = found.press
-    density = np.array(
-        [sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers]
-    )
+    density = density_on_rollers(press)
     c = density * found.drive_speed_m_s[:, None] ** 2
     T = found.tension_N
     arc = density * np.array([r.radius_m * r.wrap_angle_rad for r in press.rollers])
@@ -154,9 +151,7 @@ def test_the_limit_of_a_constant_coefficient(kit):
     np.testing.assert_allclose(limit.share, M / np.expm1(M), rtol=1e-9)
 
 
-LAW = WrapFriction(
-    law=LAWS["wrap-power"], theta=np.array([0.5, -0.8, 0.1]), reference=one_condition(0.1, 0.0025, 2.0, 500.0)
-)
+LAW = law_of("wrap-power", [0.5, -0.8, 0.1], (0.1, 0.0025, 2.0, 500.0))
 
 
 def local_mu(friction, slack_N):
@@ -178,10 +173,8 @@ def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit):
                 slack_N = float(model.preload_N[0])
                 mu = local_mu(friction, slack_N)
                 limit = friction_limit(model, friction)
-                for way in (
-                    1.0,
-                    -1.0,
-                ):  # friction brakes the belt, or drives it; the angle counts from the slack side
+                # Friction brakes the belt, or drives it; the angle counts from the slack side.
+                for way in (1.0, -1.0):
                     run = solve_ivp(
                         lambda s, T, way=way, mu=mu, inertia_N=inertia_N: way * inertia_N + mu(s) * T,
                         (0.0, alpha), [slack_N], method="DOP853", rtol=1e-13, atol=1e-12

@@ -114,7 +114,7 @@ def test_noise_lifts_no_top_however_round_it_is(roundness):
     climbs = 100.0 * (1.0 - (1.0 - np.clip((TIME_S - 1.0) / 1.5, 0.0, 1.0)) ** roundness)
     smooth = np.where(TIME_S > 2.5, np.interp(TIME_S, (2.5, 2.505), (100.0, 60.0)), climbs)[:4000]
     rng = np.random.default_rng(3)
-    found = [picked(smooth + rng.normal(0.0, 0.5, smooth.size), time_s=TIME_S[:4000]) for _ in range(60)]
+    found = [picked(smooth + rng.normal(0.0, 0.5, smooth.size), time_s=TIME_S[:4000]) for _ in range(40)]
     assert {one.status for one in found} == {Status.OK}
     u_N = np.array([one.peak_std_N for one in found])
     errors_N = np.array([one.peak_N for one in found]) - 100.0

@@ -148,12 +148,6 @@ def test_an_excluded_trial_is_read_but_does_not_count(lab):
     assert condition.mean_kept_N == a.peak_N
 
 
-def test_a_tight_side_that_does_not_pull_harder_is_doubtful(lab):
-    lab.pulls(a=100.0)
-    assert "RF240" not in codes(lab.extract())
-    assert "RF240" in codes(lab.write([lab.row("a.csv", end_tension_N=150)]).extract())
-
-
 def test_a_clock_against_the_stated_rate_is_told(lab):
     lab.pulls(a=100.0)
     rows = [lab.row("a.csv")]

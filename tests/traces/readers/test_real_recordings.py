@@ -64,15 +64,11 @@ def test_seal_files_have_no_header_and_a_derived_force(real_data):
 
 
 def test_capstan_files_read_without_any_profile(real_data):
-    paths = sorted((real_data / "phy_mini_ia_capstan").glob("force_*.csv"))
-    assert len(paths) == 8
-    for path in paths:
-        (recording,) = read_recordings(path, ImportProfile())
-        trace = assemble_trace(recording, ImportProfile())
-        assert (trace.sampling_rate_Hz, trace.notes) == (pytest.approx(50), ())
-    control = read_recordings(real_data / "phy_mini_ia_capstan" / "force_control.csv", ImportProfile())[0]
-    still = control.columns["time"] < 14
-    assert control.columns["force"][still].mean() == pytest.approx(7.8816, abs=1e-3)
+    """The others are read by `trials/test_real_campaigns.py`."""
+    (control,) = read_recordings(real_data / "phy_mini_ia_capstan" / "force_control.csv", ImportProfile())
+    trace = assemble_trace(control, ImportProfile())
+    assert (trace.sampling_rate_Hz, trace.notes) == (pytest.approx(50), ())
+    assert trace.force_N[trace.time_s < 14].mean() == pytest.approx(7.8816, abs=1e-3)
 
 
 def test_the_shifted_file_can_be_read_by_number(real_data):

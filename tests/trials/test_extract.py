@@ -22,16 +22,6 @@ from ropefric.trials.workers import guarded
 from tests.trials.conftest import pull
 
 
-def test_one_clean_recording_with_a_peak_known_beforehand(lab):
-    extraction = lab.pulls(a=100.0, b=103.0).extract()
-    assert [trial.trial for trial in extraction.trials] == ["a", "b"]
-    assert [trial.peak_N for trial in extraction.trials] == pytest.approx([100.0, 103.0], rel=2e-3)
-    assert [trial.breakaway.kinetic_N for trial in extraction.trials] == pytest.approx([80, 82.4], rel=2e-3)
-    assert [trial.breakaway.peak_time_s for trial in extraction.trials] == pytest.approx([1.3] * 2, abs=0.01)
-    assert extraction.conditions[0].mean_kept_N == pytest.approx(101.5, rel=2e-3)
-    assert extraction.name == "lab"
-
-
 def test_a_missing_recording_is_an_error_of_a_check_and_a_status_of_a_run(lab, capfd):
     lab.pulls(here=100.0, gone=100.0)
     (lab.folder / "gone.csv").unlink()

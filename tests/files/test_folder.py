@@ -320,17 +320,12 @@ def holder(out):
     process.communicate()
 
 
-def test_a_second_run_is_told_of_the_first(out, holder):
+def test_a_second_run_is_told_of_the_first_whose_lock_ends_with_its_process(out, holder):
     with pytest.raises(
         DataError, match=rf"process {holder.pid} on .+, since 20.*: `ropefric run that`"
     ) as caught:
         put(out, {"a.txt": "new"}, force=True)
     assert caught.value.code == "RF152"
-    holder.communicate("")
-    put(out, {"a.txt": "new"})
-
-
-def test_a_lock_ends_with_its_process(out, holder):
     holder.kill()
     holder.wait()
     put(out, {"a.txt": "new"})

@@ -2,9 +2,6 @@
 
 import errno
 import os
-import signal
-import subprocess
-import sys
 
 import pytest
 
@@ -50,14 +47,6 @@ def test_whatever_ends_the_writing_leaves_the_old_file_and_no_rest(target):
             stream.write(b"half of the n")
             raise failure
         assert (target.read_text(encoding="utf-8"), names(target.parent)) == ("old", ["trials.csv"])
-
-
-def test_a_process_that_is_killed_in_the_middle_leaves_the_old_file(target):
-    code = ("import os, signal, sys\nfrom pathlib import Path\n"
-        "from ropefric.files.disk import replacing\nwith replacing(Path(sys.argv[1])) as stream:\n"
-        "    stream.write(b'x' * 100_000)\n    os.kill(os.getpid(), signal.SIGKILL)\n")  # fmt: skip
-    done = subprocess.run([sys.executable, "-c", code, str(target)], check=False)
-    assert (done.returncode, target.read_text(encoding="utf-8")) == (-signal.SIGKILL, "old")
 
 
 def test_nobody_reads_half_a_file(target):

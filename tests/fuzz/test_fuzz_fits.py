@@ -158,7 +158,7 @@ test_fit, test_fit_long = fuzzed(
     scatter=st.sampled_from([0.0, 1e-15, 1e-3, 0.02, 0.5]), seed=st.integers(0, 10**6),
     extreme=st.lists(st.tuples(st.integers(0, 99), st.sampled_from(EXTREME)), max_size=2),
 )  # fmt: skip
-test_stored, test_stored_long = fuzzed(check_stored, short=60, share=0.04,
+test_stored, test_stored_long = fuzzed(check_stored, short=40, share=0.04,
     examples=[_edit(0, "law", value=[None] * 3), _edit(0, "parameters", "mu", "value", value=1e300),
     _edit(0, "parameters", "mu", "value", value=10**400),
     _edit(0, "parameters", "mu", "at_bound", value=True), _edit(0, "covariance", 0, 0, value=-1e300),

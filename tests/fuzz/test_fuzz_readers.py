@@ -29,6 +29,7 @@ JUNK = ("", '"', "'", ",", ";", "\t", "\n", "\r", "\r\n", "\x00", "\ufeff", "-",
     "9" * 400, "time_s", "force_N", "s", "(", "µ")  # fmt: skip
 FILES = (*((name, b"") for name in ("r.csv", "r.txt", "r.csv.gz", "r.mat", "r.xlsx", "r.tdms")),
     ("r.mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"), ("r.tdms", b"TDSm"), ("r.xlsx", b"PK\x03\x04"),
+    ("r.ods", b"PK\x03\x04"),
     ("r.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"), ("r.h5", b"\x89HDF\r\n\x1a\n"), ("r.dat", b"\xff\xfe"),
     ("r.cmbl", b"<Document><DataSet><DataColumn><ColumnCells>"),
     ("r.lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"),

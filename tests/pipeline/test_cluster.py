@@ -206,20 +206,3 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
     spoilt = bench.model_copy(update={"trials": (*bench.trials[:20], fatal, *bench.trials[21:])})
     found = rf.extract(spoilt, executor=client)
     assert (repr(found), found.trials[20].breakaway.status) == (repr(rf.extract(spoilt)), "unreadable")
-
-
-@pytest.mark.release
-def test_a_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
-    """Pieces of their usual size, of which some are done, some begun and some waiting when the worker dies."""
-    scale = runpy.run_path(str(ROOT / "docs" / "scale" / "measure.py"))
-    lab = scale["campaign"](tmp_path / "lab", 1000)
-
-    def progress(done, _total, _said):
-        if done == 500:
-            kill_one(client)
-
-    campaign = rf.load_campaign(lab)
-    found = rf.extract(campaign, executor=client, progress=progress)
-    assert (len(found.trials), len(found.conditions)) == (1000, 100)
-    alone = rf.extract(campaign)
-    assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")

@@ -16,6 +16,7 @@ from ropefric.pipeline import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignWheel
 from ropefric.trials.result import NOT_ABOVE, count_trials, set_aside_impossible
+from tests.trials.conftest import Lab, pull_text
 
 WHEEL = DesignWheel.model_construct(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
 
@@ -64,7 +65,7 @@ def test_the_law_that_made_the_data_is_used(pulls, answer):
         assert abs(found.prediction.log_lift[0] - log_lift) < 4 * found.prediction.std_log[0]
 
 
-def test_a_law_that_is_asked_for_is_used_and_its_place_is_said(answer):
+def test_a_law_that_is_asked_for_is_used_and_its_place_is_said(answer, few_laws):
     found = answer_trials(answer.table, law="wrap-exponential-from-zero", design=WHEEL)
     assert found.fit.law == "wrap-exponential-from-zero"
     assert found.winner.forced
@@ -95,7 +96,7 @@ def test_a_law_that_cannot_be_trusted_does_not_win_and_one_without_an_answer_can
     assert not winner.fit.trustworthy
 
 
-def test_a_design_without_an_answer_is_a_doubt_and_no_number(answer):
+def test_a_design_without_an_answer_is_a_doubt_and_no_number(answer, few_laws):
     wild = WHEEL.model_copy(update={"wrap_angle_rad": 1e6})
     found = answer_trials(answer.table, design=wild)
     assert found.prediction is None
@@ -122,33 +123,18 @@ def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(answer,
 @pytest.fixture
 def lab(tmp_path):
     """Twelve recordings of a straight pull: wraps of half a turn and a turn, from 30 to 90 N."""
-    rows = ["trial,file,wheel_radius_mm,wrap_angle_deg,end_tension_N"]
-    rng = np.random.default_rng(3)
+    lab, rows, rng = Lab(tmp_path), [], np.random.default_rng(3)
     for number in range(12):
         wrap_deg = (180, 360)[number % 2]
         peak_N = 20 * math.exp(0.2 * math.radians(wrap_deg)) * (1 + 0.01 * rng.standard_normal())
-        time_s = np.arange(2500) / 1000
-        force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, peak_N, 0.8 * peak_N])
-        force_N += 0.05 * rng.standard_normal(time_s.size)
-        text = "time_s,force_N\n" + "".join(
-            f"{t:.4f},{f:.4f}\n" for t, f in zip(time_s, force_N, strict=True)
-        )
-        (tmp_path / f"p{number}.csv").write_text(text, encoding="utf-8")
-        rows.append(f"p{number},p{number}.csv,40,{wrap_deg},20")
-
-    def load(change=lambda rows: rows):
-        (tmp_path / "trials.csv").write_text("\n".join([*change(rows), ""]), encoding="utf-8")
-        (tmp_path / "campaign.toml").write_text(
-            'schema = "ropefric.campaign/1"\nname = "lab"\ntrials = "trials.csv"\n[rope]\ndiameter = "9.8 mm"\n',
-            encoding="utf-8",
-        )
-        return load_campaign(tmp_path / "campaign.toml")
-
-    return load
+        (tmp_path / f"p{number}.csv").write_text(pull_text(peak_N, seed=number), encoding="utf-8")
+        rows.append(lab.row(f"p{number}.csv", wrap_angle_deg=wrap_deg))
+    return lab, rows
 
 
 def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_path, few_laws):
-    campaign = lab(lambda rows: [row.replace("p5,p5.csv,40,360,20", "p5,p5.csv,40,360,2000") for row in rows])
+    lab, rows = lab
+    campaign = lab.write([*rows[:5], rows[5] | {"end_tension_N": 2000}, *rows[6:]]).load()
     run = run_campaign(campaign, tmp_path / "out")
     (odd,) = [trial for trial in run.extraction.trials if trial.trial == "p5"]
     assert ((odd.kept, odd.excluded), count_trials(run.extraction)["n_kept"]) == ((False, NOT_ABOVE), 11)
@@ -158,7 +144,8 @@ def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_pat
 
 
 def test_no_usable_force_is_told_with_the_tables_written(lab, tmp_path):
-    campaign = lab()
+    lab, rows = lab
+    campaign = lab.write(rows).load()
     for path in tmp_path.glob("p*.csv"):
         path.write_text("time_s,force_N\n", encoding="utf-8")
     with pytest.raises(DataError, match="none of the 12 recordings gave a usable force") as caught:

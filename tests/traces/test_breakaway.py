@@ -5,8 +5,6 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn import PULL, REST, TIME_S, drawn, picked
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from rigged import rigged_trace
 from thinned import thinned
 
@@ -114,7 +112,7 @@ def test_noise_lifts_no_top_however_round_it_is(roundness):
     climbs = 100.0 * (1.0 - (1.0 - np.clip((TIME_S - 1.0) / 1.5, 0.0, 1.0)) ** roundness)
     smooth = np.where(TIME_S > 2.5, np.interp(TIME_S, (2.5, 2.505), (100.0, 60.0)), climbs)[:4000]
     rng = np.random.default_rng(3)
-    found = [picked(smooth + rng.normal(0.0, 0.5, smooth.size), time_s=TIME_S[:4000]) for _ in range(60)]
+    found = [picked(smooth + rng.normal(0.0, 0.5, smooth.size), time_s=TIME_S[:4000]) for _ in range(40)]
     assert {one.status for one in found} == {Status.OK}
     u_N = np.array([one.peak_std_N for one in found])
     errors_N = np.array([one.peak_N for one in found]) - 100.0
@@ -145,7 +143,7 @@ def test_a_top_between_few_samples_is_not_read_low(monkeypatch):
 
 def test_the_uncertainty_counts_the_rounding_that_no_noise_takes_away():
     step_N, z = 1.0, []
-    for top_N in np.linspace(100.0, 101.0, 21):
+    for top_N in np.linspace(100.0, 101.0, 11):
         found = picked(
             np.round(drawn(*REST, (2.5, top_N), (2.504, 70.0), (6.0, 70.0), noise_N=0.02) / step_N) * step_N
         )
@@ -270,18 +268,6 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 
 
 # --- whatever is recorded ---
-
-
-@settings(max_examples=8)
-@given(st.floats(0.05, 40.0), st.floats(-5.0, 5.0))
-def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
-    """Force scaled, time shifted: the same peak, scaled, at the same place."""
-    force = drawn(*PULL, noise_N=0.3)[:4000]
-    plain, other = (picked(force * by, PickSettings(window_s=0.0), TIME_S[:4000] + at_s) for by,
-        at_s in ((1, 0), (scale, delay_s)))  # fmt: skip
-    assert other.status is Status.OK
-    assert other.peak_N == pytest.approx(scale * plain.peak_N, rel=1e-9)
-    assert other.peak_time_s == pytest.approx(plain.peak_time_s + delay_s, abs=1e-9)
 
 
 def test_forces_at_the_end_of_the_floats_are_no_crash():

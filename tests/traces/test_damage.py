@@ -138,7 +138,7 @@ def silent(made, seed, every=1):
 
 @pytest.mark.parametrize(
     "counts",
-    [lambda: silent(of_bench(12), 21, every=3), slow(lambda: silent(of_strangers(21, 1), 21))],
+    [lambda: silent(of_bench(9), 21, every=3), slow(lambda: silent(of_strangers(21, 1), 21))],
     ids=["a few of the rig", "of the second rig"],
 )
 def test_few_damaged_recordings_give_a_wrong_force(counts):

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from drawn import drawn
 
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
@@ -13,11 +14,10 @@ from ropefric.traces.trace import ForceTrace
 PEAK_N = 100.0
 
 
-def pull(rate_Hz, *, noise_N=0.1, seed=0, seconds=4.0):
+def pull(rate_Hz, *, seed=0):
     """A ramp to 100 N in two seconds, a slip of 20 N, sliding; with noise."""
-    time_s = np.arange(0.0, seconds, 1.0 / rate_Hz)
-    force_N = np.interp(time_s, [0.5, 2.5, 2.503], [0.0, PEAK_N, 80.0])
-    return time_s, force_N + np.random.default_rng(seed).normal(0.0, noise_N, time_s.size)
+    time_s = np.arange(0.0, 4.0, 1.0 / rate_Hz)
+    return time_s, drawn((0.5, 0.0), (2.5, PEAK_N), (2.503, 80.0), seed=seed, time_s=time_s)
 
 
 def wave(time_s, amplitude_N, frequency_Hz, phase=0.0):

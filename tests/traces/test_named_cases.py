@@ -165,24 +165,3 @@ def test_a_gap_hides_the_peak():
     assert "gap of" in " ".join(found.notes)
     refuses(drawn(*PULL)[far := (TIME_S < 1.6) | (TIME_S > 2.999)], DOUBT, time_s=TIME_S[far],
         words="most of the climb")  # fmt: skip
-
-
-def test_the_zero_drifts_as_the_rest_shows():
-    found = finds(drawn(*PULL) + 0.5 * TIME_S, within=5e-3)
-    assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N
-    assert "taken off" in " ".join(found.notes)
-
-
-def test_the_zero_jumps_at_rest():
-    found = refuses(drawn(*PULL) + 5.0 * (TIME_S > 0.5), DOUBT, words="jumps")
-    assert [one.force_N for one in found.candidates] == pytest.approx([105.0, 100.0], rel=0.01)
-
-
-def test_what_a_level_at_rest_is_can_be_said():
-    force = drawn(*PULL) + 6.0
-    found = refuses(force, DOUBT, words='rest = "zero"')
-    assert [one.force_N for one in found.candidates] == pytest.approx([106.0, 100.0], rel=5e-3)
-    finds(force, 100.0, within=5e-3, settings=PickSettings(rest="zero"))
-    finds(force, 106.0, within=5e-3, settings=PickSettings(rest="pretension"))
-    found = finds(drawn(*PULL) - 5.0, within=5e-3)
-    assert "less than nothing: taken off" in " ".join(found.notes)

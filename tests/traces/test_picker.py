@@ -39,7 +39,7 @@ def found_in(time_s, force_N):
     )[0]
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(400, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [20, pytest.param(400, marks=pytest.mark.slow)])
 def test_ordinary_pulls_are_right_and_sure_and_do_not_hang_on_where_the_recording_begins_and_ends(count):
     right = same = cut_right = 0
     for seed in range(count):
@@ -135,14 +135,14 @@ ODD = {
 def test_what_is_no_pull_at_all_is_hardly_ever_given_a_force():
     """A triangle that falls as fast as it rises may pass for a pull; the rules before gave a force to one in eight."""
     given = []
-    for name, seed in ((name, seed) for name in ODD for seed in range(4)):
+    for name, seed in ((name, seed) for name in ODD for seed in range(2)):
         rng = np.random.default_rng([seed, 3])
         part = np.linspace(0.0, 1.0, int(rng.integers(300, 8000)))
         force = ODD[name](part, rng.uniform)
         force = 100.0 * force / np.ptp(force) + 0.3 * rng.standard_normal(part.size)
         if found_in(part * rng.uniform(1.0, 50.0), force).status is Status.OK:
             given.append(name)
-    assert len(given) <= 2, given
+    assert len(given) <= 1, given
 
 
 def test_the_highest_mean_before_the_first_fall_is_what_it_says():

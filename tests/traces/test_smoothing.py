@@ -70,14 +70,6 @@ def test_samples_across_a_gap_in_time_never_mix():
     np.testing.assert_allclose(smoothed.force_N, force_N, atol=1e-9)
 
 
-def test_missing_samples_are_left_out():
-    force_N = np.full(100, 7.0)
-    force_N[40:60] = np.nan
-    smoothed = smooth(ForceTrace(time_s=np.arange(100.0), force_N=force_N), 5.0)
-    assert np.isnan(smoothed.force_N[45:55]).all()
-    assert np.nanmax(np.abs(smoothed.force_N - 7.0)) < 1e-12
-
-
 def test_the_conventions_bias_of_a_ramp_and_drop():
     # 200 N/s at 3 kHz: 301 samples lower the peak by 2 % of it at 500 N, 31 samples by 0.2 %.
     time_s = np.arange(9000) / 3000

@@ -76,12 +76,12 @@ def test_coarse_quiet_and_noise_free_signals_are_not_stuck(seed):
                 assert stuck_in(np.where(TIME_S < 1.5, force, force[int(1.5 * RATE_HZ)])) == [], count_N
 
 
-@pytest.mark.parametrize(("n", "seed"), [(40, 3), pytest.param(250, 12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("n", "seed"), [(20, 3), pytest.param(250, 12, marks=pytest.mark.slow)])
 def test_a_recording_cut_anywhere_gives_its_force_or_none(tmp_path, n, seed):
     """Half of the cuts fall between two lines, as when a logger is stopped."""
     campaign, draw, statuses, wrong = load_campaign(BENCH), random.Random(seed), set(), []
     specs = [s for s in campaign.trials if s.trial.startswith(("c01-r0", "c16-r", "c03-r0", "c31-r0"))]
-    specs = specs[:: 1 if n > 100 else 4]
+    specs = specs[:: 1 if n > 100 else 8]
     whole = {spec.trial: extract_recording(campaign, [spec])[0][0] for spec in specs}
     # A partial slip is the only one that a file knows of which is cut after it.
     specs = [spec for spec in specs if whole[spec.trial].breakaway.status is Status.OK]

@@ -35,9 +35,10 @@ def is_right(found, peak_N=100.0):
     return found.status is Status.OK
 
 
-def names(found, *forces_N):
+def names(found, *forces_N, words=""):
     """Assert that a result is in doubt between some forces."""
     assert found.status is Status.DOUBTFUL, found.notes
+    assert words in found.detail
     assert [one.force_N for one in found.candidates] == pytest.approx(forces_N, abs=0.6)
 
 
@@ -58,6 +59,7 @@ def test_a_drift_is_taken_off_and_what_it_may_leave_is_in_the_uncertainty(rate_N
         assert is_right(found), found.detail
         assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N
         assert found.peak_std_N > 0.2 * abs(rate_N_s) * 2.6
+        assert found.status is Status.DOUBTFUL or "taken off" in " ".join(found.notes)
 
 
 def test_a_large_drift_is_in_doubt_until_a_later_rest_confirms_it():
@@ -81,10 +83,10 @@ def test_what_a_drift_may_leave_is_a_part_of_the_probability():
 
 def test_slow_noise_makes_no_drift_that_is_wrong():
     """Noise of one part in a hundred that keeps its sign for a tenth of a second: what it hides is doubtful or in u."""
-    found = [picked(pulled(LONG) + noise(seed, 0.5, lasts_s=0.1)) for seed in range(16)]
-    assert sum(map(is_right, found)) >= 12
-    again = [picked(pulled(BRIEF, rests_again=True) + noise(seed, 0.5, lasts_s=0.1)) for seed in range(16)]
-    assert sum(map(is_right, again)) >= 13
+    found = [picked(pulled(LONG) + noise(seed, 0.5, lasts_s=0.1)) for seed in range(8)]
+    assert sum(map(is_right, found)) >= 6
+    again = [picked(pulled(BRIEF, rests_again=True) + noise(seed, 0.5, lasts_s=0.1)) for seed in range(8)]
+    assert sum(map(is_right, again)) >= 6
 
 
 def test_so_many_neighbours_of_slow_noise_count_as_one():
@@ -104,7 +106,7 @@ def test_a_jump_at_rest_is_a_load_or_the_zero(jump_N):
     for rest_N in (0.0, 8.0):  # so that it reads more than nothing
         found = picked(pulled() + rest_N + jump_N * (TIME_S > 0.5) + noise(3), PickSettings())
         assert found.status is Status.DOUBTFUL
-    names(picked(pulled() + 15.0 + jump_N * (TIME_S > 0.5) + noise(3)), 115.0 + jump_N, 115.0)
+    names(picked(pulled() + 15.0 + jump_N * (TIME_S > 0.5) + noise(3)), 115.0 + jump_N, 115.0, words="jumps")
     jumped = pulled() + 5.0 * (TIME_S > 0.5) + noise(3)
     assert picked(jumped, ZERO).peak_N == pytest.approx(100.0, abs=0.6)
     assert picked(jumped, PRETENSION).peak_N == pytest.approx(105.0, abs=0.6)
@@ -130,10 +132,11 @@ def test_a_level_is_an_error_of_the_zero_or_a_pretension(level_N):
     force_N = pulled() + level_N + noise(6)
     found = picked(force_N)
     if 2.0 < level_N < 12.0:
-        names(found, 100.0 + level_N, 100.0)
+        names(found, 100.0 + level_N, 100.0, words='rest = "zero"')
     else:
         assert is_right(found, 100.0 + (level_N if level_N > 12.0 else 0.0))
         assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N or level_N > 12.0
+        assert level_N != -3.0 or "less than nothing: taken off" in " ".join(found.notes)
     for rest, true_N in ((ZERO, 100.0), (PRETENSION, 100.0 + level_N)):
         assert picked(force_N, rest).peak_N == pytest.approx(true_N, abs=0.6)
     begins = picked(drawn(*PULL)[1800:], ZERO, TIME_S[1800:])

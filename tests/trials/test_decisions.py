@@ -1,13 +1,11 @@
 """A person's decision about a trial stands in the list, is carried out, shown, and never overridden."""
 
 import csv
-import json
 
 import numpy as np
 import pytest
 
 import ropefric as rf
-from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import ForceTrace
@@ -144,12 +142,3 @@ def test_a_table_of_results_still_serves_as_a_list(decided, tmp_path):
     assert again.trials[0].peak_N == first.trials[0].peak_N
     assert {trial.decision for trial in again.trials} == {""}
     assert any(one.key == "peak_N" and "not used" in one.message for one in check_campaign(lab.path))
-
-
-def test_the_command_says_who_decided_and_why(decided, capsys, monkeypatch):
-    """The report does, too: `tests/report/test_handed_over.py`."""
-    monkeypatch.chdir(decided(pick_s=0.8, **SAID).folder)
-    assert main(["extract", ".", "--out", "out", "--json", "--no-figures"]) == 0
-    trial = json.loads(capsys.readouterr().out)["trials"][-1]
-    told = [trial[key] for key in ("decision", "decided_why", "decided_by")]
-    assert told == ["pick_s = 0.8 s", *SAID.values()]

@@ -4,7 +4,6 @@ import gc
 import hashlib
 import json
 import math
-import tomllib
 import tracemalloc
 
 import numpy as np
@@ -21,22 +20,6 @@ from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 from ropefric.trials.workers import guarded
 from tests.trials.conftest import pull
-
-BIAS = 3e-3
-
-
-def truths(folder):
-    return tomllib.loads((folder / "truth.toml").read_text(encoding="utf-8"))
-
-
-def test_one_clean_recording_with_a_peak_known_beforehand(lab):
-    extraction = lab.pulls(a=100.0, b=103.0).extract()
-    assert [trial.trial for trial in extraction.trials] == ["a", "b"]
-    assert [trial.peak_N for trial in extraction.trials] == pytest.approx([100.0, 103.0], rel=2e-3)
-    assert [trial.breakaway.kinetic_N for trial in extraction.trials] == pytest.approx([80, 82.4], rel=2e-3)
-    assert [trial.breakaway.peak_time_s for trial in extraction.trials] == pytest.approx([1.3] * 2, abs=0.01)
-    assert extraction.conditions[0].mean_kept_N == pytest.approx(101.5, rel=2e-3)
-    assert extraction.name == "lab"
 
 
 def test_a_missing_recording_is_an_error_of_a_check_and_a_status_of_a_run(lab, capfd):
@@ -155,12 +138,6 @@ def test_an_excluded_trial_is_read_but_does_not_count(lab):
     assert condition.mean_kept_N == a.peak_N
 
 
-def test_a_tight_side_that_does_not_pull_harder_is_doubtful(lab):
-    lab.pulls(a=100.0)
-    assert "RF240" not in codes(lab.extract())
-    assert "RF240" in codes(lab.write([lab.row("a.csv", end_tension_N=150)]).extract())
-
-
 def test_a_clock_against_the_stated_rate_is_told(lab):
     lab.pulls(a=100.0)
     rows = [lab.row("a.csv")]
@@ -170,21 +147,6 @@ def test_a_clock_against_the_stated_rate_is_told(lab):
     assert (problem.severity, problem.path) == ("error", "a.csv")
     assert "1000 Hz" in problem.message
     assert "2000 Hz" in problem.message
-
-
-def test_the_tare_is_taken_off_and_kept(lab, pull_csv):
-    rows = (line.split(",") for line in pull_csv(100.0).splitlines()[1:])
-    shifted = "".join(f"{t},{float(f) + 7:.4f}\n" for t, f in rows)
-    (lab.folder / "a.csv").write_text(f"time_s,force_N\n{shifted}")
-    plain, tared = (
-        lab.write([lab.row("a.csv")], settings).extract().trials[0]
-        for settings in ('[protocol]\nrest = "pretension"', '[tare]\ninterval = ["0 s", "0.25 s"]')
-    )
-    assert plain.peak_N - tared.peak_N == pytest.approx(7, abs=0.02)
-    assert (plain.tare_N, tared.tare_N) == (0.0, pytest.approx(7, abs=0.02))
-    extraction = lab.write([lab.row("a.csv")], '[tare]\ninterval = ["5 s", "6 s"]').extract()
-    assert extraction.trials[0].breakaway.status == "unreadable"
-    assert codes(extraction) >= {"RF212"}
 
 
 @pytest.mark.slow

@@ -18,6 +18,8 @@ from tests.trials.conftest import Lab
 MU, NOISE_N = 0.2, 0.05
 CHANNELS = ('[import.channels]\ntime = { column = "t", unit = "s" }\n'
     'force = { column = "pull", unit = "N" }\nend_tension = { column = "slack", unit = "N" }\n')  # fmt: skip
+COUNTS = CHANNELS.replace('end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"')
+COUNTS += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
 
 
 def recording(slack_N, wrap_rad, *, seed=0):
@@ -81,10 +83,7 @@ def test_an_end_tension_that_is_not_what_was_hung_is_a_warning_of_each_condition
     assert "wrap 180 deg" in told[1].message
     assert "RF243" not in {one.code for one in write(lab, n=4, end_tension_N=23)[0].extract().problems}
     # What is 1.5 % off, but not what is 2.5 %, is within what nobody states; it is beyond what cell and weights state.
-    counts = CHANNELS.replace(
-        'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
-    )
-    counts += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "20 N"\n'
+    counts = COUNTS.replace("100 N", "20 N")
     stated = counts + '[weights]\ntolerance = "0.1 %"\n'
     for settings, share, n in ((counts, 0.985, 0), (counts, 0.975, 1), (stated, 0.985, 1)):
         lab, _ = write(lab, settings, n=1, scale=3276.75 * share, counts=True, end_cell="K2")
@@ -121,11 +120,7 @@ def test_the_list_need_not_name_an_end_tension_that_is_measured(lab):
 
 
 def test_a_cell_of_its_own_turns_counts_into_the_slack_tension(lab):
-    settings = CHANNELS.replace(
-        'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
-    )
-    settings += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
-    lab, slack_N = write(lab, settings, n=4, scale=655.35, counts=True, end_cell="K2")
+    lab, slack_N = write(lab, COUNTS, n=4, scale=655.35, counts=True, end_cell="K2")
     trials = lab.extract().trials
     assert [trial.end_tension_N for trial in trials] == pytest.approx(slack_N, abs=0.15)
     # 0.1 % of 100 N by the transmitter, as a flat distribution, and three times 0.02 %.
@@ -133,14 +128,9 @@ def test_a_cell_of_its_own_turns_counts_into_the_slack_tension(lab):
 
 
 def test_counts_without_a_cell_are_an_error_of_the_list(lab):
-    settings = CHANNELS.replace(
-        'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
-    )
-    lab, _ = write(
-        lab, n=1, settings=settings + '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
-    )
+    lab, _ = write(lab, COUNTS, n=1)
     assert "end_cell" in {problem.key for problem in check_campaign(lab.path) if problem.severity == "error"}
-    lab.write([lab.row("p00.csv", end_cell="K2")], settings)
+    lab.write([lab.row("p00.csv", end_cell="K2")], COUNTS.partition("[adc]")[0])
     assert any("recordings in counts need" in problem.message for problem in check_campaign(lab.path))
 
 

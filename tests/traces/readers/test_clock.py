@@ -35,7 +35,7 @@ def test_a_gap_is_not_filled_by_rounded_stamps():
     time_s = np.repeat([0.0, 0.01, 0.02, 3.0, 3.01], 10)
     _, mended_s, notes = mend_clock(time_s, [np.arange(50.0)])
     assert mended_s[29] < 0.031
-    assert any("1 gap in time" in note and "after 0.029" in note for note in notes)
+    assert any("1 gap in time; the longest is 2.97" in note and "after 0.029" in note for note in notes)
 
 
 def test_a_few_repeated_stamps_keep_the_first():
@@ -101,9 +101,3 @@ def test_infinite_stamps_are_refused():
         time_s[at] = bad
         with pytest.raises(DataError):
             mend_clock(time_s, [np.full(10, np.nan)])
-
-
-def test_gaps_are_noted():
-    time_s = np.arange(1000) * 0.01
-    time_s[500:] += 2.0
-    assert mend_clock(time_s)[2] == ("1 gap in time; the longest is 2.01 s after 4.99 s",)

@@ -17,7 +17,7 @@ from ropefric.traces.readers.profile import Channel, ImportProfile
 BY_NUMBER = ImportProfile(
     channels={"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
 )
-ROWS = [(i / 1000, 0.25 * i - 3) for i in range(200)]
+ROWS = [(i / 1000, 0.25 * i - 3) for i in range(90)]
 PLAIN = "time_s,force_N\n" + "".join(f"{t},{f}\n" for t, f in ROWS)
 
 

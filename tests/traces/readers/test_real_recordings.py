@@ -1,8 +1,5 @@
 """Real recordings: what is known about them must come out."""
 
-import math
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,14 +12,6 @@ MECMESIN = ImportProfile(
     header_row=1, units_row=2, block_names_row=3, data_row=5, block_columns=4,
     channels={"time": Channel(column="Time"), "force": Channel(column=1)},
 )  # fmt: skip
-SEAL_CHANNELS = {"time": Channel(column=1, unit="ms"), "pressure": Channel(column=6, unit="bar"),
-    "pull": Channel(column=7, unit="N")}  # fmt: skip
-
-
-def seal_profile(path: Path) -> ImportProfile:
-    radius_m = 0.01285 if "257" in path.name else 0.0125
-    return ImportProfile(header_row=0, channels=SEAL_CHANNELS, constants={"area": math.pi * radius_m**2},
-        derived={"force": "pull - pressure * area"})  # fmt: skip
 
 
 def test_the_inspected_profile_reads_the_wide_file_alike(real_data):
@@ -48,31 +37,12 @@ def test_a_headerless_wide_file(real_data):
     np.testing.assert_array_equal(second.columns["time"], [0.1, 0.25, 0.3, 0.4])
 
 
-def test_seal_files_have_no_header_and_a_derived_force(real_data):
-    paths = sorted((real_data / "seal_breakaway").glob("*.csv"))
-    assert len(paths) == 12
-    for path in paths:
-        profile = seal_profile(path)
-        (recording,) = read_recordings(path, profile)
-        trace = assemble_trace(recording, profile)
-        table = np.loadtxt(path, delimiter="\t")
-        area_m2 = profile.constants["area"]
-        np.testing.assert_array_equal(trace.time_s, table[:, 0] * 0.001)
-        np.testing.assert_allclose(trace.force_N, table[:, 6] - table[:, 5] * 1e5 * area_m2, atol=1e-9)
-        assert 90 < trace.sampling_rate_Hz < 105
-        assert any("gap" in note for note in trace.notes)
-
-
 def test_capstan_files_read_without_any_profile(real_data):
-    paths = sorted((real_data / "phy_mini_ia_capstan").glob("force_*.csv"))
-    assert len(paths) == 8
-    for path in paths:
-        (recording,) = read_recordings(path, ImportProfile())
-        trace = assemble_trace(recording, ImportProfile())
-        assert (trace.sampling_rate_Hz, trace.notes) == (pytest.approx(50), ())
-    control = read_recordings(real_data / "phy_mini_ia_capstan" / "force_control.csv", ImportProfile())[0]
-    still = control.columns["time"] < 14
-    assert control.columns["force"][still].mean() == pytest.approx(7.8816, abs=1e-3)
+    """The others are read by `trials/test_real_campaigns.py`."""
+    (control,) = read_recordings(real_data / "phy_mini_ia_capstan" / "force_control.csv", ImportProfile())
+    trace = assemble_trace(control, ImportProfile())
+    assert (trace.sampling_rate_Hz, trace.notes) == (pytest.approx(50), ())
+    assert trace.force_N[trace.time_s < 14].mean() == pytest.approx(7.8816, abs=1e-3)
 
 
 def test_the_shifted_file_can_be_read_by_number(real_data):

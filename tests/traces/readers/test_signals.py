@@ -71,14 +71,13 @@ def test_two_time_columns_of_unequal_length_are_two_clocks(write):
 
 
 def test_the_unit_of_a_second_time_must_be_one(write):
-    path = write("t_s,F,u,S\n0,1,0,1\n1,2,1,2\n")
     channels = {"time": Channel(column="t_s"), "force": Channel(column="F", unit="N")}
-    for unit, code in (("u", ""), ("u_kN", "RF106")):
-        channels["end_tension"] = Channel(column="S", unit="N", time=unit)
-        if not code:
-            assert read(path, channels=channels)[0].end_tension_N.tolist() == [1, 2]
-    path = write("t_s,F,u_kN,S\n0,1,0,1\n1,2,1,2\n")
-    assert refused(path, channels=channels).code == "RF106"
+    of_none, of_force = (
+        channels | {"end_tension": Channel(column="S", unit="N", time=u)} for u in ("u", "u_kN")
+    )
+    (trace,) = read(write("t_s,F,u,S\n0,1,0,1\n1,2,1,2\n"), channels=of_none)
+    assert trace.end_tension_N.tolist() == [1, 2]
+    assert refused(write("t_s,F,u_kN,S\n0,1,0,1\n1,2,1,2\n"), channels=of_force).code == "RF106"
 
 
 @pytest.mark.parametrize("hold", [2, 3.125, 7, 100])

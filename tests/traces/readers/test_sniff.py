@@ -56,7 +56,7 @@ names = st.text(min_size=1, max_size=8).filter(lambda text: text.strip() and max
 plain = st.text(max_size=8).filter(lambda text: not any("\ud800" <= c <= "\udfff" for c in text))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=30)
 @given(st.builds(ImportProfile, format=st.sampled_from(["auto", "wide"]),
     separator=st.sampled_from(["", "\t", ";", " "]), decimal=st.sampled_from(["", ","]), encoding=plain,
     table=plain, header_row=st.integers(-1, 9), data_row=st.integers(0, 9),

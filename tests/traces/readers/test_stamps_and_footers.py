@@ -37,13 +37,6 @@ def test_the_only_column_of_stamps_is_the_time_whatever_it_is_called(write):
     assert (trace.time_s.tolist(), trace.force_N.tolist()) == ([0, 0.01], [1000, 2000])
 
 
-def test_stamps_of_whole_seconds_are_spread(write):
-    rows = "".join(f"10:00:{i // 10:02d},{i}\n" for i in range(100))
-    trace = read(write(f"time,force_N\n{rows}"))
-    np.testing.assert_allclose(trace.time_s, np.arange(100) / 10, atol=1e-9)
-    assert any("rounded time stamp" in note for note in trace.notes)
-
-
 def test_a_time_stamp_that_is_none_is_told_by_its_line(write):
     error = refused(write("time,force_N\n10:00:00,1\nnoon,2\n"))
     assert (error.code, error.where) == ("RF104", "run:3 time")

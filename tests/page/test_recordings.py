@@ -117,8 +117,8 @@ def test_names_are_matched_without_reading(lab, tmp_path):
         draft.names(str(lab / "daq"), "W{repeat}")
 
 
-@pytest.mark.parametrize("name", ["*", "-daq [1] 50 % # Seil 'ü'"])
-def test_a_folder_may_have_any_name(lab, tmp_path, name):
+def test_a_folder_may_have_any_name(lab, tmp_path):
+    name = "-daq* [1] 50 % # Seil 'ü'"
     shutil.copytree(lab / "daq", tmp_path / name)
     draft = Draft(tmp_path)
     told = draft.propose(wish_of(asked(lab) | {"recordings": str(tmp_path / name)}))

@@ -128,14 +128,6 @@ def test_presses_and_saws_are_swept_too(call):
     assert saw["failed"] == 1
 
 
-def test_points_without_answer_are_null_and_counted(call, scene):
-    path = scene("hoist", speed=(r"\[rope\]", 'speed = "1 m/s"\n[rope]'), effects=('"auto"', '"all"'))
-    tree = call("solve", path, "--sweep", "wheel.speed=1m/s,2m/s,60m/s", "--json").json()
-    assert tree["failed"] == 1
-    assert tree["columns"]["lift_force_N"][2] is None
-    assert "lifts off" in tree["first_failure"]
-
-
 def test_an_unknown_bound_is_null_and_said(call, scene):
     """With the centrifugal effect, which is not asked for, the rope would lift off."""
     path = scene("hoist", speed=(r"\[rope\]", 'speed = "60 m/s"\n[rope]'),
@@ -148,11 +140,8 @@ def test_an_unknown_bound_is_null_and_said(call, scene):
 
 
 MISTAKES = [("hoist", {"a": (r"accuracy = [\d.]+", "accuracy = 0")}, "RF501", "accuracy"),
-    ("belt-press", {"a": ('"2000 N"', '"20 N"')}, "RF523", "press.preload"),
     ("belt-press", {"a": ('"belt-inertia"', '"transient"')}, "RF502", "effects"),
-    ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed"),
-    ("band-saw", {"a": ("mounting_factor = 1.0", "mounting_factor = 2")}, "RF110",
-    "tension.mounting_factor")]  # fmt: skip
+    ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed")]  # fmt: skip
 
 
 def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene):

@@ -16,10 +16,6 @@ COUPLED = ROOT / "fits" / "prth-coupled.json"
 CONSTANT = ROOT / "fits" / "prth-constant.json"
 NOT_TRUSTED = 4
 WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
-FIT_KEYS = {*("schema", "law", "parameters", "covariance", "statistics", "status", "advice", "validity"),
-    "provenance"}  # fmt: skip
-PARAMETER_KEYS = {"value", "std", "ci95", "lower", "upper", "at_bound"}
-STATISTIC_KEYS = {"n", "dof", "chi2", "chi2_reduced", "aicc", "bic"}
 RANKING_KEYS = {"law", "aicc", "delta_aicc", "weight", "bic", "status"}
 PREDICT_KEYS = {"lift_force_N", "std_N", "interval_N", "level", "extrapolated", "method"}
 HEADER = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
@@ -74,15 +70,15 @@ def test_the_examples_in_the_help_work(call, tmp_path, monkeypatch):
 # --- fit and show --------------------------------------------------------------------------------------------------
 
 
-def test_a_fit_has_the_agreed_shape_and_is_what_is_stored_and_told(call, tmp_path):
+def test_a_fit_is_what_is_stored_and_told(call, tmp_path):
     done = call("fit", TRIALS, "--law", "coupled", "--out", tmp_path / "x.json", "--json")
     tree = done.json()
     assert (done.code, tree["schema"]) == (0, "ropefric.fit/1")
-    assert tree.keys() >= FIT_KEYS
-    assert all(item.keys() >= PARAMETER_KEYS for item in tree["parameters"].values())
-    assert tree["statistics"].keys() >= STATISTIC_KEYS
     stored = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-    assert stored["parameters"] == tree["parameters"]
+    assert tree.keys() >= stored.keys()
+    assert all(
+        stored[name] == tree[name] for name in ("law", "parameters", "covariance", "statistics", "status")
+    )
     assert stored["provenance"]["input"]["sha256"] == tree["provenance"]["input"]["sha256"]
     assert "wrote" in done.err
     told = call("fit", TRIALS, "--law", "coupled")

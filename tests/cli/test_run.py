@@ -63,13 +63,7 @@ def test_an_unknown_law_is_refused_before_the_work(call, bench, tmp_path):
     assert not (tmp_path / "other").exists()
 
 
-def test_what_cannot_be_worked_through_is_3_and_told(call, campaign, tmp_path):
-    for path in (campaign / "traces").iterdir():
-        path.write_bytes(b"")
-    done = call("run", campaign, "--out", tmp_path / "out", "--no-figures", "--json")
-    assert (done.code, done.json()["error"]["code"]) == (3, "RF301")
-    assert "none of the 12 recordings gave a usable force" in done.json()["error"]["message"]
-    assert (tmp_path / "out" / "problems.csv").exists()
+def test_what_is_no_campaign_is_3_and_told(call, tmp_path):
     assert call("run", tmp_path / "nowhere.toml", "--out", tmp_path / "none").code == 3
     (tmp_path / "trials.csv").write_text("trial,file\n", encoding="utf-8")
     for command in ("run", "extract"):

@@ -219,6 +219,13 @@ def test_help_starts_light():
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
+def test_python_m_runs_it():
+    done = subprocess.run([sys.executable, "-m", "ropefric", "chekc"], capture_output=True, text=True,
+        check=False)  # fmt: skip
+    assert done.returncode == 2
+    assert "did you mean 'check'?" in done.stderr
+
+
 def test_a_reader_that_goes_away_is_no_failure():
     """As in `ropefric … | head -1`: the pipe's reading end is closed before anything is written."""
     code = ("import os, sys\nfrom ropefric.cli import app\n"

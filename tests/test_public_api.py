@@ -305,8 +305,7 @@ def test_tables_of_any_form_with_names_and_units_of_ones_own(tmp_path):
 
 
 def test_a_recording_of_any_form_gives_the_same_break_away():
-    time_s = np.arange(2500) / 1000
-    force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
+    time_s, force_N = PULL_S, PULL_N
     lab = pd.DataFrame({"Zeit": time_s, "F": force_N})
     found = [rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N)),
         rf.find_breakaway(time_s, force_N), rf.find_breakaway(time_s.tolist(), force_N.tolist()),
@@ -330,15 +329,23 @@ PULL_N = np.interp(PULL_S, [0.3, 1.3, 1.32], [0, 100, 80]) + np.random.default_r
 )
 
 
-def test_a_recording_is_a_file_a_series_or_forces_at_a_rate(tmp_path):
-    asked, path = rf.find_breakaway(PULL_S, PULL_N), tmp_path / "pull.csv"
+def written(path):
     pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
+    return path
+
+
+def test_a_recording_is_a_file_a_series_a_table_or_forces_at_a_rate(tmp_path):
+    asked, path = rf.find_breakaway(PULL_S, PULL_N), written(tmp_path / "pull.csv")
+    forces = pd.DataFrame({"force_kN": PULL_N / 1000})
     stamps = pd.Timestamp("2026-03-01 10:00") + pd.to_timedelta(PULL_S, unit="s")
     for found in (
         rf.find_breakaway(path), rf.find_breakaway(str(path)), rf.find_breakaway(pd.Series(PULL_N, index=PULL_S)),
         rf.find_breakaway(pd.Series(PULL_N / 1000, index=stamps, name="force_kN")),
         rf.find_breakaway(pd.Series(PULL_N, index=pd.to_timedelta(PULL_S, unit="s"))),
         rf.find_breakaway(PULL_N, sampling_rate=1000), rf.find_breakaway(PULL_N.tolist(), sampling_rate="1 kHz"),
+        rf.find_breakaway(forces.set_index(pd.Index(PULL_S, name="time_s"))),
+        rf.find_breakaway(forces, sampling_rate="1 kHz"),
+        rf.find_breakaway(PULL_S, PULL_N, start_s="0 s", stop_s="2499 ms"),
     ):  # fmt: skip
         assert (found.peak_N, found.peak_time_s) == pytest.approx((asked.peak_N, asked.peak_time_s), rel=1e-9)
     for wrong, said in (
@@ -349,12 +356,12 @@ def test_a_recording_is_a_file_a_series_or_forces_at_a_rate(tmp_path):
             rf.find_breakaway(PULL_N, **wrong)
     with pytest.raises(DataError, match="no such file"):
         rf.find_breakaway(tmp_path / "other.csv")
+    assert rf.smooth(path, "10 ms").window_s == rf.smooth(pd.Series(PULL_N, index=PULL_S), 0.01).window_s
 
 
 def test_an_argument_that_a_recording_does_not_need_is_refused(tmp_path):
     """It was left aside, and a series without times counted seconds."""
-    path = tmp_path / "pull.csv"
-    pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
+    path = written(tmp_path / "pull.csv")
     trace = rf.read_trace(path)
     for given, others, name in (
         (path, {"force_N": PULL_N}, "force_N"), (path, {"sampling_rate": 10}, "sampling_rate"),
@@ -367,20 +374,6 @@ def test_an_argument_that_a_recording_does_not_need_is_refused(tmp_path):
         assert refused.value.where == name
         assert str(refused.value).count(f"{name}: ") == 1
         assert refused.value.fix
-
-
-def test_a_table_may_have_its_times_in_its_index_or_by_a_rate_and_a_window_its_unit(tmp_path):
-    asked = rf.find_breakaway(PULL_S, PULL_N)
-    forces = pd.DataFrame({"force_kN": PULL_N / 1000})
-    for found in (
-        rf.find_breakaway(forces.set_index(pd.Index(PULL_S, name="time_s"))),
-        rf.find_breakaway(forces, sampling_rate="1 kHz"),
-        rf.find_breakaway(PULL_S, PULL_N, start_s="0 s", stop_s="2499 ms"),
-    ):
-        assert (found.peak_N, found.peak_time_s) == pytest.approx((asked.peak_N, asked.peak_time_s), rel=1e-9)
-    path = tmp_path / "pull.csv"
-    pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
-    assert rf.smooth(path, "10 ms").window_s == rf.smooth(pd.Series(PULL_N, index=PULL_S), 0.01).window_s
 
 
 def test_a_setting_that_is_none_is_not_given_and_a_row_of_a_table_is_one_wheel():
@@ -409,19 +402,19 @@ def test_a_breakaway_is_a_dictionary_and_draws_itself_with_its_recording():
     assert json.loads(json.dumps(told)) == told
     assert (told["status"], told["peak_N"], told["recurrence_s"]) == ("ok", found.peak_N, None)
     assert told["phases"][0] == {"name": "idle", "start_s": 0.0, "end_s": pytest.approx(0.3, abs=0.05)}
-    axes = found.plot()
-    assert axes.lines[0].get_ydata().size == PULL_N.size
+    assert found.to_frame()["peak_N"].tolist() == [found.peak_N]
+    assert found.plot().lines[0].get_ydata().size == PULL_N.size
+    axes = found.plot({"time_s": PULL_S, "force_N": PULL_N})
+    assert axes.get_ylabel() == "Force [N]"
+    assert axes._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(InputError, match=r"found\.plot\(trace\)"):
         replace(found, trace=None).plot()
 
 
 def test_arrays_are_mended_as_files_are_and_told():
-    time_s = np.arange(2500) / 1000
-    force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
-    force_N += np.random.default_rng(5).normal(0.0, 0.05, time_s.size)
-    asked = rf.find_breakaway(time_s, force_N)
-    twice = np.repeat(np.arange(time_s.size), np.where(np.arange(time_s.size) % 100 == 7, 2, 1))
-    doubled, turned = rf.find_breakaway(time_s[twice], force_N[twice]), rf.find_breakaway(time_s, -force_N)
+    asked = rf.find_breakaway(PULL_S, PULL_N)
+    twice = np.repeat(np.arange(PULL_S.size), np.where(np.arange(PULL_S.size) % 100 == 7, 2, 1))
+    doubled, turned = rf.find_breakaway(PULL_S[twice], PULL_N[twice]), rf.find_breakaway(PULL_S, -PULL_N)
     assert (doubled.peak_N, turned.peak_N) == pytest.approx((asked.peak_N, asked.peak_N), rel=1e-9)
     assert "written twice" in doubled.notes[0]
     assert "reversed" in turned.notes[0]

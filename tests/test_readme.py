@@ -25,8 +25,3 @@ def test_the_gate_runs_the_readmes_test_command():
     gate = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert "command: test" in gate
     assert "README.md" in gate
-
-
-def test_files_it_links_to_exist():
-    for target in re.findall(r"\]\(([^)#:]+)\)", README):
-        assert (ROOT / target).exists(), target

@@ -76,10 +76,6 @@ def test_a_result_shows_itself_in_every_form(name):
     frame = result.to_frame()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
-    if name == "scene":
-        with pytest.raises(rf.RopefricError, match="there is no figure of Scene"):
-            result.plot()
-        return
     drawn = result.plot()
     assert isinstance(drawn, Axes)
     assert callable(drawn._repr_png_)
@@ -140,16 +136,6 @@ def test_the_numbers_carry_unit_and_uncertainty():
     wide = grid.to_frame()
     assert wide["wheel.radius"].tolist() == [0.02, 0.04, 0.05] * 2
     assert wide["lift_force_N"].tolist() == grid.columns["lift_force_N"].tolist()
-
-
-def test_a_break_away_is_drawn_on_its_recording():
-    found = rf.find_breakaway(time_s, force_N)
-    assert found.plot().lines[0].get_ydata().size == force_N.size
-    axes = found.plot({"time_s": time_s, "force_N": force_N})
-    assert axes.get_ylabel() == "Force [N]"
-    assert axes._repr_png_().startswith(b"\x89PNG")
-    assert "status" in found.to_frame().columns
-    assert found.to_frame()["peak_N"].tolist() == [found.peak_N]
 
 
 def test_numbers_in_words():

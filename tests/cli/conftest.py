@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import sys
 import traceback
 import warnings
@@ -85,3 +86,9 @@ def bench(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench") / "campaign"
     assert main(["simulate", str(folder), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
     return folder
+
+
+@pytest.fixture
+def campaign(bench, tmp_path):
+    """A copy that may be spoilt."""
+    return shutil.copytree(bench, tmp_path / "campaign")

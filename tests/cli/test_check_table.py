@@ -85,14 +85,3 @@ def test_the_list_of_a_campaign_leads_to_the_campaign(call, bench):
 def test_a_table_of_other_things_says_what_it_lacks(call, tmp_path):
     done = call("check", write(tmp_path / "run.csv", ["time_s", "force_N"], [[0, 1], [1, 2]]))
     assert (done.code, done.err.count("there is no column for the")) == (3, 4)
-
-
-def test_of_many_mistakes_alike_some_are_said_and_the_others_counted(call, tmp_path):
-    path = tmp_path / "many.csv"
-    rows = [f"t{i % 3},40,9.8,180,20,{60 + i}" for i in range(50)]
-    head = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
-    path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
-    done = call("fit", path, "--law", "constant")
-    assert (done.code, done.err.count("is in line")) == (3, 3)  # three names
-    assert "(16 times: lines 5, 8, 11, …; --json lists all)" in done.err
-    assert len(call("fit", path, "--law", "constant", "--json").json()["error"]["problems"]) == 47

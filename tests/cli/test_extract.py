@@ -1,7 +1,6 @@
 """`extract`: from a campaign to tables, figures, a summary; through the whole library."""
 
 import csv
-import shutil
 
 import pytest
 
@@ -9,13 +8,6 @@ CONDITION_KEYS = {*("wheel_radius_m", "wrap_angle_rad", "end_tension_N", "n", "n
     *("mean_all_N", "std_all_N", "mean_kept_N", "std_kept_N")}  # fmt: skip
 TRIAL_KEYS = {*("trial", "file", "wheel_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N", "peak_raw_N"),
     *("peak_time_s", "kinetic_N", "status", "kept")}  # fmt: skip
-
-
-@pytest.fixture
-def campaign(bench, tmp_path):
-    """A copy that may be spoilt."""
-    shutil.copytree(bench, tmp_path / "campaign")
-    return tmp_path / "campaign"
 
 
 def test_tables_figures_and_a_summary_and_json(call, bench, tmp_path):

@@ -16,10 +16,6 @@ COUPLED = ROOT / "fits" / "prth-coupled.json"
 CONSTANT = ROOT / "fits" / "prth-constant.json"
 NOT_TRUSTED = 4
 WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
-FIT_KEYS = {*("schema", "law", "parameters", "covariance", "statistics", "status", "advice", "validity"),
-    "provenance"}  # fmt: skip
-PARAMETER_KEYS = {"value", "std", "ci95", "lower", "upper", "at_bound"}
-STATISTIC_KEYS = {"n", "dof", "chi2", "chi2_reduced", "aicc", "bic"}
 RANKING_KEYS = {"law", "aicc", "delta_aicc", "weight", "bic", "status"}
 PREDICT_KEYS = {"lift_force_N", "std_N", "interval_N", "level", "extrapolated", "method"}
 HEADER = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
@@ -49,18 +45,7 @@ def test_a_rope_of_the_trials_has_a_prediction_of_its_own(call, tmp_path):
             rows.append(f"40,10,{wrap},20,{peak_N:.4f},{rope}")
     trials, fit = table(tmp_path / "t.csv", f"{HEADER},rope_id", rows), tmp_path / "fit.json"
     call("fit", trials, "--law", "constant", "--out", fit)
-    words = (
-        "predict",
-        "--fit",
-        fit,
-        "--wheel-radius",
-        "40 mm",
-        "--wrap",
-        "400 deg",
-        "--end-tension",
-        "20 N",
-        "--rope",
-    )
+    words = ("predict", "--fit", fit, "--wheel-radius", "40 mm", *WHEEL[2:5], "20 N", "--rope")
     found = call(*words, "r2", "--json").json()
     assert found["this_rope"]["rope"] == "r2"
     assert found["this_rope"]["lift_force_N"] == pytest.approx(
@@ -85,15 +70,15 @@ def test_the_examples_in_the_help_work(call, tmp_path, monkeypatch):
 # --- fit and show --------------------------------------------------------------------------------------------------
 
 
-def test_a_fit_has_the_agreed_shape_and_is_what_is_stored_and_told(call, tmp_path):
+def test_a_fit_is_what_is_stored_and_told(call, tmp_path):
     done = call("fit", TRIALS, "--law", "coupled", "--out", tmp_path / "x.json", "--json")
     tree = done.json()
     assert (done.code, tree["schema"]) == (0, "ropefric.fit/1")
-    assert tree.keys() >= FIT_KEYS
-    assert all(item.keys() >= PARAMETER_KEYS for item in tree["parameters"].values())
-    assert tree["statistics"].keys() >= STATISTIC_KEYS
     stored = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-    assert stored["parameters"] == tree["parameters"]
+    assert tree.keys() >= stored.keys()
+    assert all(
+        stored[name] == tree[name] for name in ("law", "parameters", "covariance", "statistics", "status")
+    )
     assert stored["provenance"]["input"]["sha256"] == tree["provenance"]["input"]["sha256"]
     assert "wrote" in done.err
     told = call("fit", TRIALS, "--law", "coupled")
@@ -191,22 +176,11 @@ def test_a_comparison_has_the_agreed_shape_best_first(call):
     assert call("compare", TRIALS, "--laws", "wrap-pwoer").code == 3
 
 
-def test_a_comparison_that_leaves_no_choice_is_4_and_gives_no_weight(call, tmp_path):
-    """Two pulls at each of four wraps can rank the constant law alone, whatever they look like."""
-    rows = [f"40,10,{wrap},20,{20 * math.exp(0.2 * wrap) * (1 + 0.01 * i)}" for wrap in (3, 6, 9, 12)
-        for i in (0, 1)]  # fmt: skip
-    path = table(tmp_path / "trials.csv", HEADER.replace("_deg", "_rad"), rows)
-    done = call("compare", path, "--laws", "constant,wrap-power", "--quiet")
-    assert done.code == NOT_TRUSTED
-    assert "1.000" not in done.out
-    assert "only constant could be ranked on 4 conditions" in " ".join(done.out.split())
-    tree = call("compare", path, "--laws", "constant,wrap-power", "--json", "--quiet").json()
-    assert tree["conclusive"] is False
-    assert {row["weight"] for row in tree["ranking"] if row["counted"]} == {None}
-
-
-def test_a_diagnosis_names_effects_evidence_and_experiments(call):
-    done = call(*words_of(find_commands()["diagnose"].example))
+def test_a_diagnosis_names_effects_evidence_and_experiments(call, tmp_path):
+    """As in the help, of every sixth trial."""
+    command, trials, *words = words_of(find_commands()["diagnose"].example)
+    header, *rows = (ROOT / trials).read_text(encoding="utf-8").splitlines()
+    done = call(command, table(tmp_path / "few.csv", header, rows[::6]), *words)
     assert (done.code, done.err) == (0, "")
     for words in ("size effect: supported", "wrap effect: supported", "offset: not supported", "to decide:"):
         assert words in done.out
@@ -310,10 +284,10 @@ def test_a_design_lifts_its_load(call):
         value = done.json()[key]
         back = call("predict", "--fit", COUPLED, *others, option, f"{value!r} {unit}", "--json").json()
         assert back["lift_force_N"] == pytest.approx(300, rel=1e-6)
-        safer = call(*words, "--json").json()
-        assert safer[key] > value
-        assert safer["lower_bound_N"] == pytest.approx(300, rel=1e-6)
-        assert call(*words, "--probability", "0.99", "--json").json()[key] > safer[key]
+    safer = call(*words, "--json").json()
+    assert safer[key] > value
+    assert safer["lower_bound_N"] == pytest.approx(300, rel=1e-6)
+    assert call(*words, "--probability", "0.99", "--json").json()[key] > safer[key]
 
 
 def test_a_design_for_people_out_of_reach_and_without_what_it_needs(call):
@@ -336,7 +310,7 @@ def test_a_design_for_people_out_of_reach_and_without_what_it_needs(call):
 # --- verify --------------------------------------------------------------------------------------------------------
 
 
-def test_changed_data_and_changed_fits_are_found(call, tmp_path):
+def test_changed_fits_are_found(call, tmp_path):
     folder = tmp_path / "fits"
     folder.mkdir()
     for file in (TRIALS, COUPLED, CONSTANT):
@@ -350,10 +324,4 @@ def test_changed_data_and_changed_fits_are_found(call, tmp_path):
     found = {item["law"]: item["ok"] for item in done.json()["fits"]}
     assert found.pop("coupled") is False
     assert all(found.values())
-    trials = folder / "prth-trials.csv"
-    trials.write_text(trials.read_text(encoding="utf-8") + "\n", encoding="utf-8")
-    # As JSON, because a table folds the long name of a temporary folder.
-    done = call("verify", folder, "--json")
-    assert done.code == NOT_TRUSTED
-    assert "changed since the fit was made" in done.out
     assert call("verify", tmp_path).code == call("verify", tmp_path / "nowhere").code == 3

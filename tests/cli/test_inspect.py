@@ -14,32 +14,15 @@ def recording(tmp_path):
     return path
 
 
-def test_people_see_columns_units_ranges_and_the_profile(call, recording):
+def test_people_and_programs_see_columns_units_ranges_and_the_profile(call, recording):
     done = call("inspect", recording)
     assert done.code == 0
     for fact in ("30 rows", "separator semicolon", "decimal comma", "100 Hz", "Kraft", "kN", "290", "2.9"):
         assert fact in done.out
     assert "[import]" in done.out
     assert done.err == ""
-
-
-def test_json_carries_the_profile(call, recording):
     found = call("inspect", recording, "--json").json()
     assert (found["decimal"], tomllib.loads(found["profile_toml"])["import"]["decimal"]) == (",", ",")
-
-
-def test_the_profile_is_written_and_nothing_is_overwritten_unasked(call, recording, tmp_path):
-    target = tmp_path / "import.toml"
-    assert call("inspect", recording, "--write-profile", target, "-q").err == ""
-    first = target.read_bytes()
-    assert tomllib.loads(first.decode())["import"]["separator"] == ";"
-    target.write_text("mine", encoding="utf-8")
-    refused = call("inspect", recording, "--write-profile", target)
-    assert refused.code == 3
-    assert "--force" in refused.err
-    assert target.read_text(encoding="utf-8") == "mine"
-    assert call("inspect", recording, "--write-profile", target, "--force").code == 0
-    assert target.read_bytes() == first
 
 
 def test_of_a_wide_table_the_first_columns_are_shown(call, tmp_path):
@@ -67,9 +50,6 @@ def test_what_is_no_recording_is_refused_with_3(call, tmp_path):
         done = call("inspect", path)
         assert (done.code, done.out) == (3, "")
         assert "odd.csv" in done.err
-
-
-def test_a_missing_file_is_called_missing(call, tmp_path):
     assert "there is no such file" in call("inspect", tmp_path / "nope").err
 
 

@@ -18,13 +18,6 @@ PLAN = (*("plan-tests", "--fit", FIT, "--wheels", "15 mm, 30 mm", "--wraps", "90
 SWEEP = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out")
 
 
-@pytest.fixture
-def campaign(bench, tmp_path):
-    """A copy that may be spoilt."""
-    shutil.copytree(bench, tmp_path / "campaign")
-    return tmp_path / "campaign"
-
-
 def tree(folder, *, own=False):
     """Every file by name, without what ropefric keeps for itself."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*"))

@@ -61,25 +61,16 @@ def test_the_answer_in_words_and_as_json(call):
         assert tree["error_bound"] >= 0.0
 
 
-def test_the_same_input_gives_the_same_bytes_and_quiet_drops_the_notes(call, tmp_path):
-    outputs = []
-    for place in ("a", "b"):
-        done = call("solve", SCENES / "fast-belt-press.toml", "--out", tmp_path / place, "--quiet")
-        assert (done.code, done.err) == (0, "")
-        outputs.append((done.out, (tmp_path / place / "answer.json").read_bytes()))
-    assert outputs[0][1] == outputs[1][1]
-    assert "Power [W]" in outputs[0][0]
-
-
-def test_out_writes_the_answer(call, tmp_path):
-    done = call("solve", SCENES / "hoist.toml", "--out", tmp_path / "deep" / "out", "--json")
-    path = tmp_path / "deep" / "out" / "answer.json"
-    tree = done.json()
+def test_out_writes_the_answer_the_same_bytes_each_time_and_quiet_drops_the_notes(call, tmp_path):
+    words, path = ("solve", SCENES / "fast-belt-press.toml", "--out"), tmp_path / "deep" / "b" / "answer.json"
+    quiet, done = call(*words, tmp_path / "a", "--quiet"), call(*words, path.parent, "--json")
+    assert (quiet.code, quiet.err, "wrote" in done.err) == (0, "", True)
+    assert (tmp_path / "a" / "answer.json").read_bytes() == path.read_bytes()
+    assert "Power [W]" in quiet.out
+    tree, written = done.json(), json.loads(path.read_text(encoding="utf-8"))
     assert str(path) in [str(one) for one in tree.pop("files")]
-    written = json.loads(path.read_text(encoding="utf-8"))
     written.pop("files", None)
     assert {key: tree[key] for key in written} == written
-    assert "wrote" in done.err
 
 
 def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
@@ -137,14 +128,6 @@ def test_presses_and_saws_are_swept_too(call):
     assert saw["failed"] == 1
 
 
-def test_points_without_answer_are_null_and_counted(call, scene):
-    path = scene("hoist", speed=(r"\[rope\]", 'speed = "1 m/s"\n[rope]'), effects=('"auto"', '"all"'))
-    tree = call("solve", path, "--sweep", "wheel.speed=1m/s,2m/s,60m/s", "--json").json()
-    assert tree["failed"] == 1
-    assert tree["columns"]["lift_force_N"][2] is None
-    assert "lifts off" in tree["first_failure"]
-
-
 def test_an_unknown_bound_is_null_and_said(call, scene):
     """With the centrifugal effect, which is not asked for, the rope would lift off."""
     path = scene("hoist", speed=(r"\[rope\]", 'speed = "60 m/s"\n[rope]'),
@@ -157,11 +140,8 @@ def test_an_unknown_bound_is_null_and_said(call, scene):
 
 
 MISTAKES = [("hoist", {"a": (r"accuracy = [\d.]+", "accuracy = 0")}, "RF501", "accuracy"),
-    ("belt-press", {"a": ('"2000 N"', '"20 N"')}, "RF523", "press.preload"),
     ("belt-press", {"a": ('"belt-inertia"', '"transient"')}, "RF502", "effects"),
-    ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed"),
-    ("band-saw", {"a": ("mounting_factor = 1.0", "mounting_factor = 2")}, "RF110",
-    "tension.mounting_factor")]  # fmt: skip
+    ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed")]  # fmt: skip
 
 
 def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene):

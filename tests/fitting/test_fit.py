@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pulled import grid, table_at
-from scipy import optimize
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.fit import fit_law
@@ -91,25 +90,6 @@ def test_settings_that_cannot_be_are_refused():
         fit_law(table, "wrap-powr")
 
 
-def test_same_minimum_as_scipy_alone_from_the_truth():
-    truth = [0.46, -0.22, -0.3, -0.48, 0.055]
-    table = table_of("coupled", truth, radii=(0.01, 0.02, 0.04, 0.08), wraps=(2, 5, 9, 12),
-        loads=(2, 20, 150))  # fmt: skip
-    fit = fit_law(table, "coupled")
-    law, problem = LAWS["coupled"], fit.problem
-    reference = optimize.least_squares(lambda theta: (law.log_lift(theta,
-        problem.conditions) - problem.log_lift) / problem.std, truth, bounds=(law.lower, law.upper),
-        x_scale=np.abs(truth), xtol=1e-15, ftol=1e-15, gtol=1e-15)  # fmt: skip
-    assert fit.statistics.chi2 <= 2 * reference.cost * (1 + 5e-9), "beyond the nine digits that are kept"
-    assert fit.theta == pytest.approx(reference.x, rel=1e-4)
-
-
-def test_zero_scatter_gives_the_truth_and_no_failure():
-    table = table_of("wrap-power", [0.2, -0.5, 0.1], wraps=(2, 5, 8, 12), loads=(2, 20, 200), within=0.0)
-    fit = fit_law(table, "wrap-power")
-    assert (fit.theta, fit.status) == (pytest.approx([0.2, -0.5, 0.1], rel=1e-6), "ok")
-
-
 @given(mu=st.floats(0.05, 0.6), scale=st.floats(0.1, 100), seed=st.integers(0, 99),
     within=st.floats(0.001, 0.1))  # fmt: skip
 @settings(max_examples=8, deadline=None)
@@ -120,16 +100,6 @@ def test_constant_coefficient_does_not_depend_on_the_unit_of_force(mu, scale, se
     one, two = fit_law(table, "constant"), fit_law(larger, "constant")
     assert two["mu"].value == pytest.approx(one["mu"].value, rel=1e-6)
     assert two["mu"].std == pytest.approx(one["mu"].std, rel=1e-6)
-
-
-def test_scatter_between_conditions_is_found():
-    rng = np.random.default_rng(1)
-    table = table_of("constant", [0.2], radii=np.linspace(0.02, 0.08, 10), wraps=np.linspace(2, 12, 12),
-        loads=(20,))  # fmt: skip
-    new_rope = np.exp(0.03 * np.repeat(rng.normal(size=120), 3))
-    fit = fit_law(dataclasses.replace(table, peak_N=table.peak_N * new_rope), "constant")
-    assert (fit.statistics.scatter_within, fit.status) == (pytest.approx(0.01, rel=0.1), "ok")
-    assert fit.statistics.scatter_between == pytest.approx(0.03, rel=0.2)
 
 
 def test_the_bench_is_determined_well_enough_to_be_trusted():

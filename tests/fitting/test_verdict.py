@@ -146,15 +146,6 @@ def test_an_effect_that_is_not_there_cannot_be_seen():
     assert fit.statistics.chi2 <= fit_law(table, "constant").statistics.chi2 * (1 + 1e-6)
 
 
-def test_residual_structure_names_the_effect_that_is_missing():
-    table = pulled("size-exponential", [0.3, -0.2, -0.3], radii=0.005 * np.array([2, 3, 5, 8, 12, 20]),
-        wraps=(3, 6, 9))  # fmt: skip
-    fit = fit_law(table, "constant")
-    assert fit.status == "residual-structure"
-    assert "depend on the size ratio" in fit.advice[0]
-    assert fit_law(table, "size-exponential").status == "ok"
-
-
 def test_trends_are_not_found_where_there_are_none():
     """Conditions that scatter by themselves show a trend with p < 0.001 in about three of a thousand tests."""
     rng = np.random.default_rng(0)

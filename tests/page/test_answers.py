@@ -19,8 +19,6 @@ from ropefric.page import review as page_review
 from ropefric.page.desk import Desk
 from ropefric.page.review import Review
 from ropefric.report.page import find_browser
-from ropefric.scenes.keys import scene_keys
-from ropefric.scenes.kinds import KINDS
 
 FEW = {name: compare.LAWS[name] for name in compare.ALWAYS}
 
@@ -173,9 +171,3 @@ def test_the_law_of_the_campaign_drives_a_machine(reviewed):
     told = answers.solve_machine("hoist", {}, reviewed[0].run().answer.fit)
     assert told["answer"]["lift_force_N"] > 0
     assert told["answer"] != answers.solve_machine("hoist", {}, None)["answer"]
-
-
-def test_every_key_says_what_it_is():
-    of_all = {"system", "effects", "accuracy", "tolerances", "plugins"}
-    keys = (one for kind in KINDS.values() for one in scene_keys(kind.schema))
-    assert [one.name for one in keys if not one.meaning and one.name not in of_all] == []

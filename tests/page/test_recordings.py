@@ -58,7 +58,15 @@ def test_what_is_proposed_is_what_init_writes(lab, tmp_path):
     draft = Draft(tmp_path)
     with pytest.raises(InputError, match="nothing is proposed"):
         draft.write(draft.shown, overwrite=False)
+    with pytest.raises(InputError, match="no recording is read"):
+        draft.trace(0, 100)
     draft.propose(wish_of(asked(lab)))
+    # A recording is drawn in its own unit before anybody knows what that means.
+    tree = draft.trace(0, 100)
+    assert tree["units"] == {"force": "mV", "end_tension": "mV"}
+    highest_mV = 20 * math.exp(0.21 * math.pi) / 25 + 0.31
+    assert max(tree["curves"]["force"]["high_N"]) == pytest.approx(highest_mV, rel=0.02)
+    assert len(tree["curves"]["force"]["time_s"]) <= 100
     draft.write(draft.shown, overwrite=False)
     words = ["init", str(tmp_path / "mine"), "--from", str(lab / "daq"), "--pattern", PATTERN, "--quiet"]
     assert main(words) == 0
@@ -69,9 +77,18 @@ def test_what_is_proposed_is_what_init_writes(lab, tmp_path):
 
 
 def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
-    draft = Draft(tmp_path)
-    told = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab)))))
-    assert errors_of(told) == []
+    draft, seen = Draft(tmp_path), []
+
+    def progress(done, total, item):
+        seen.append((done, total))
+
+    told = draft.propose(wish_of(asked(lab)), progress)
+    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    # Recordings are read again only where it matters.
+    draft.propose(wish_of(asked(lab, settings={"rope": {"diameter": "8 mm"}})), progress)
+    assert len(seen) == 4
+    told = draft.propose(corrected(lab, told), progress)
+    assert (len(seen), errors_of(told)) == (8, [])
     assert not (tmp_path / "campaign.toml").exists()
     path = draft.write(draft.shown, overwrite=False)
     assert not [one for one in check_campaign(path) if one.severity == "error"]
@@ -91,32 +108,6 @@ def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
     assert 'name   = "Other"' in path.read_text(encoding="utf-8")
 
 
-def test_recordings_are_read_again_only_where_it_matters(lab, tmp_path):
-    draft, seen = Draft(tmp_path), []
-
-    def progress(done, total, item):
-        seen.append((done, total))
-
-    told = draft.propose(wish_of(asked(lab)), progress)
-    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
-    draft.propose(wish_of(asked(lab, settings={"rope": {"diameter": "8 mm"}})), progress)
-    assert len(seen) == 4
-    draft.propose(corrected(lab, told), progress)
-    assert len(seen) == 8
-
-
-def test_a_recording_is_drawn_in_its_own_unit_before_anybody_knows_what_that_means(lab, tmp_path):
-    draft = Draft(tmp_path)
-    with pytest.raises(InputError, match="no recording is read"):
-        draft.trace(0, 100)
-    draft.propose(wish_of(asked(lab)))
-    tree = draft.trace(0, 100)
-    assert tree["units"] == {"force": "mV", "end_tension": "mV"}
-    highest_mV = 20 * math.exp(0.21 * math.pi) / 25 + 0.31
-    assert max(tree["curves"]["force"]["high_N"]) == pytest.approx(highest_mV, rel=0.02)
-    assert len(tree["curves"]["force"]["time_s"]) <= 100
-
-
 def test_names_are_matched_without_reading(lab, tmp_path):
     draft = Draft(tmp_path)
     told = draft.names(str(lab / "daq"), "R{wheel_radius_mm}_{wrap_angle_deg}Grad_*_{repeat}")
@@ -126,8 +117,8 @@ def test_names_are_matched_without_reading(lab, tmp_path):
         draft.names(str(lab / "daq"), "W{repeat}")
 
 
-@pytest.mark.parametrize("name", ["*", "-daq [1] 50 % # Seil 'ü'"])
-def test_a_folder_may_have_any_name(lab, tmp_path, name):
+def test_a_folder_may_have_any_name(lab, tmp_path):
+    name = "-daq* [1] 50 % # Seil 'ü'"
     shutil.copytree(lab / "daq", tmp_path / name)
     draft = Draft(tmp_path)
     told = draft.propose(wish_of(asked(lab) | {"recordings": str(tmp_path / name)}))

@@ -7,6 +7,7 @@ import json
 import math
 import re
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import pytest
 
@@ -88,6 +89,11 @@ def test_the_result_comes_first_then_what_to_know_then_the_evidence(outline):
     assert {*CHAPTERS} == {*sections}
     linked = [attributes["href"][1:] for tag, attributes in outline.tags if tag == "a"]
     assert linked == ["result", *sections]
+    # To a screen reader it is one page, whose headings go down by one.
+    tags = [tag for tag, _ in outline.tags]
+    levels = [int(tag[1]) for tag in tags if tag in {"h1", "h2", "h3"}]
+    assert (levels[0], levels.count(1), tags.count("main"), tags.count("nav")) == (1, 1, 1, 1)
+    assert all(after - before <= 1 for before, after in pairwise(levels))
 
 
 def test_every_figure_has_words_and_its_numbers_beside_it(outline, page, results):

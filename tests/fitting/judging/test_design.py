@@ -32,7 +32,7 @@ def test_round_trip(request, fixture, solve_for):
         with pytest.raises(InputError, match="does not depend on the wheel radius"):
             find(fit, solve_for, 50.0)
         return
-    x = np.linspace(*{"wrap": (2, 20), "radius": (0.012, 0.06), "end_tension": (2, 90)}[solve_for], 4)
+    x = np.linspace(*{"wrap": (2, 20), "radius": (0.012, 0.06), "end_tension": (2, 90)}[solve_for], 3)
     at = Conditions(**{name: np.array(value) for name, value in (FIXED | {TARGET[solve_for]: x}).items()})
     truth = predict(fit, at, level=0.9)
     mean = find(fit, solve_for, truth.lift_force_N, probability=None)
@@ -60,7 +60,7 @@ def test_constant_law_on_paper(constant_fit):
 
 
 def test_heavier_and_surer_needs_more_wrap(wrap_fit):
-    loads = [25.0, 200.0, 1000.0]
+    loads = [25.0, 1000.0]
     needed = [find(wrap_fit, "wrap", loads, probability=p).value for p in (None, 0.5, 0.999)]
     assert (np.diff(needed, axis=1) > 0).all()
     assert (np.diff(needed, axis=0) >= -1e-9 * needed[0]).all()

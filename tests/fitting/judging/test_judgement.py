@@ -49,13 +49,12 @@ def everywhere(table, folder, capfd, laws=("wrap-power", "size-exponential")):
     return word, printed
 
 
-@pytest.mark.parametrize("n", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 3))])
-def test_few_conditions_judge_nothing(n, tmp_path, capfd):
-    table = pulls("constant", [0.2], wraps=np.pi * np.arange(1, n + 1))
+def test_few_conditions_judge_nothing(tmp_path, capfd):
+    table = pulls("constant", [0.2], wraps=np.pi * np.array([1.0, 2.0]))
     verdict, printed = everywhere(table, tmp_path, capfd)
     assert verdict.word == "not judged"
     assert "no choice of law" in verdict.reason
-    assert "trusted" not in printed
+    assert not any(one in printed for one in ("trusted", "1.000"))
     assert main(["diagnose", str(tmp_path / "trials.csv"), "--quiet", "--json"]) == NOT_TRUSTED
     assert json.loads(capfd.readouterr().out)["verdict"]["word"] == "not judged"
     stored = str(tmp_path / "f.json")

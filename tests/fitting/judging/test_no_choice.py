@@ -16,26 +16,21 @@ def pulls(wraps, log_lift, repeats=6, within=0.01):
     return table_at(at, np.log(20.0) + np.repeat(log_lift, repeats) + scatter)
 
 
-@pytest.fixture(scope="module")
-def four_with_an_offset():
+def test_a_law_that_stands_alone_has_no_weight():
     """Four conditions of an offset that is 20 standard errors large: too few to rank any law but the constant one."""
     wraps = np.array([3.0, 6.0, 9.0, 12.0])
     off = 0.3 + 0.005 * np.array([1, -1, -1, 1])
-    return compare_laws(pulls(wraps, 0.15 * wraps + off), ["constant", "wrap-power"])
-
-
-def test_a_law_that_stands_alone_has_no_weight(four_with_an_offset):
-    counted = [entry.law for entry in four_with_an_offset.ranking if entry.counted]
-    assert counted == ["constant"]
-    assert not four_with_an_offset.conclusive
-    assert math.isnan(four_with_an_offset.best.weight)
-    tree = four_with_an_offset.to_dict()
+    found = compare_laws(pulls(wraps, 0.15 * wraps + off), ["constant", "wrap-power"])
+    assert [entry.law for entry in found.ranking if entry.counted] == ["constant"]
+    assert not found.conclusive
+    assert math.isnan(found.best.weight)
+    tree = found.to_dict()
     assert tree["conclusive"] is False
     assert tree["ranking"][0]["weight"] is None
     # The test that speaks against it is named.
-    tests = {(test.simpler, test.fuller): test.p_value for test in four_with_an_offset.tests}
+    tests = {(test.simpler, test.fuller): test.p_value for test in found.tests}
     assert tests["constant", "constant-offset"] < 0.01
-    text = " ".join(four_with_an_offset.notes)
+    text = " ".join(found.notes)
     assert "only constant could be ranked on 4 conditions" in text
 
 

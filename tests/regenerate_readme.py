@@ -114,8 +114,8 @@ def _scenes() -> str:
     whole = [name for name in PROBLEMS if not planned(name, 0.1)[0].left_out]
     return (
         f"**Scenes.** These are solved with all effects at any accuracy: {', '.join(whole)}. In a blade the stiffness "
-        f"takes most time. {' '.join(words)} Planning adds at most a few hundredths to the time of one machine, and some "
-        "milliseconds to a sweep. Machines whose error does not depend on the accuracy wanted share a panel of times."
+        f"takes most time. {' '.join(words)} Planning adds at most a few hundredths to the time of one machine, and "
+        "some milliseconds to a sweep. Machines whose error does not depend on the accuracy wanted share a panel of times."
     )
 
 

@@ -113,9 +113,10 @@ def _scenes() -> str:
         words.append(f"For an accuracy of {100 * wanted:g} % the plan simulates {effects}.")
     whole = [name for name in PROBLEMS if not planned(name, 0.1)[0].left_out]
     return (
-        f"**Scenes.** These are solved with all effects at any accuracy: {', '.join(whole)}. In a blade the stiffness "
-        f"takes most time. {' '.join(words)} Planning adds at most a few hundredths to the time of one machine, and "
-        "some milliseconds to a sweep. Machines whose error does not depend on the accuracy wanted share a panel of times."
+        f"**Scenes.** These are solved with all effects at any accuracy: {', '.join(whole)}. In a blade the "
+        f"stiffness takes most time. {' '.join(words)} Planning adds at most a few hundredths to the time of one "
+        "machine, and some milliseconds to a sweep. Machines whose error does not depend on the accuracy wanted "
+        "share a panel of times."
     )
 
 

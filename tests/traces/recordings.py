@@ -59,7 +59,9 @@ def judged(one, found):
     where nobody could say, any.
     """
     if found.status is Status.OK:
-        return "right" if one.status is Status.OK and abs(found.peak_N / one.peak_N - 1.0) <= 0.02 else "wrong"
+        return (
+            "right" if one.status is Status.OK and abs(found.peak_N / one.peak_N - 1.0) <= 0.02 else "wrong"
+        )
     return "right" if one.status in {found.status, Status.DOUBTFUL} else "doubtful"
 
 

@@ -21,7 +21,7 @@ MARGIN = 2
 
 @pytest.mark.parametrize("each", [3, pytest.param(1, marks=pytest.mark.slow)])
 def test_stored_recordings_are_picked_as_well_as_before(each):
-    """A better picker writes its own score: `python tests/traces/recordings.py`. One recording of each three is of every kind."""
+    """A better picker writes its own score, `python tests/traces/recordings.py`. One of each three is of every kind."""
     whole, kinds, stored = reached(), Counter(), []
     for one in load():
         stored += [one] * (kinds[one.kind] % each == 0)

@@ -1,9 +1,8 @@
 """Break lines of physics, fitting, trials and picking at random: does the suite notice?
 
 `python tests/mutation/mutants.py [--count 60] [--seed 2026]` copies the project and breaks one line at a time in the
-copy. The tests run in one process until one fails: those that import the broken module first, then all others, the
-nearest by imports first. A break that no test notices is a gap of the suite, or it changes nothing: `EQUIVALENT` names
-those, with the reason.
+copy. The tests run in one process until one fails: those of the broken module's room first, then all others. A break
+that no test notices is a gap of the suite, or it changes nothing: `EQUIVALENT` names those, with the reason.
 """
 
 import argparse
@@ -14,7 +13,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,37 +142,6 @@ def _mutant(path: Path, line: int, number: int, root: Path) -> Mutant:
     )
 
 
-def ranked_tests(changed: Path, root: Path) -> list[tuple[int, Path]]:
-    """Return all test files with the number of imports between them and a module, nearest and smallest first."""
-    importers: dict[str, set[Path]] = {}
-    tests = [path for path in sorted((root / "tests").rglob("*.py")) if not _LEFT_OUT & set(path.parts)]
-    for path in (*sorted((root / "ropefric").rglob("*.py")), *tests):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            if isinstance(node, ast.ImportFrom) and node.module:
-                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-            for name in names:
-                importers.setdefault(name, set()).add(path)
-    distance, waiting = {root / changed: 0}, deque([root / changed])
-    while waiting:
-        path = waiting.popleft()
-        parts = path.relative_to(root).with_suffix("").parts
-        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts).removeprefix("tests.")
-        # Folders of tests share modules by their bare name.
-        near = importers.get(name, set()) | (
-            importers.get(parts[-1], set()) if parts[0] == "tests" else set()
-        )
-        for other in near - distance.keys():
-            distance[other] = distance[path] + 1
-            waiting.append(other)
-    chosen = [path for path in tests if path.name.startswith("test_")]
-    far = max(distance.values()) + 1
-    return sorted(
-        ((distance.get(path, far), path) for path in chosen),
-        key=lambda one: (one[0], one[1].stat().st_size, one[1]),
-    )
-
-
 def _copy(place: Path) -> Path:
     """Return a copy of the project as it is now, with the real recordings beside it where there are any."""
     folder = place / "project"
@@ -210,19 +177,22 @@ def _failed(folder: Path, tests: list[Path]) -> str:
 
 
 def noticed_by(mutant: Mutant, folder: Path, *, near: bool) -> str:
-    """Return the first test that notices a mutant; "" if none does.
-
-    The near ones are those that import its module; of all others those of the same room come first.
-    """
-    module, room = folder / mutant.path, folder / "tests" / mutant.path.parts[1]
-    tests = [path for distance, path in ranked_tests(mutant.path, folder) if (distance == 1) == near]
-    tests.sort(key=lambda path: not path.is_relative_to(room))
+    """Return the first test that notices a mutant, of its room (near) or of all others; "" if none does."""
+    module, tests = folder / mutant.path, folder / "tests"
+    own = tests / mutant.path.parts[1]
+    others = [path for path in sorted(tests.glob("[a-z]*")) if path.name not in _LEFT_OUT and path != own]
     whole = module.read_text(encoding="utf-8")
     try:
         _write(module, mutant.text)
-        return _failed(folder, [module, *tests] if near else [*tests, folder / "ropefric"])
+        return _failed(
+            folder, [module, own] if near else [*filter(_holds_tests, others), folder / "ropefric"]
+        )
     finally:
         _write(module, whole)
+
+
+def _holds_tests(path: Path) -> bool:
+    return path.is_dir() or path.name.startswith("test_")
 
 
 def _write(module: Path, text: str) -> None:
@@ -235,12 +205,11 @@ def _write(module: Path, text: str) -> None:
 def study(count: int, seed: int, say: Callable[[str], object] = print) -> tuple[int, int]:
     """Return how many of the mutants that change a result were noticed, and how many there were.
 
-    The nearest tests see all mutants before the whole suite sees those that are left.
+    The tests of their rooms see all mutants before the whole suite sees those that are left.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = _copy(Path(name))
-        whole = [path for _, path in ranked_tests(Path("ropefric/errors.py"), folder)]
-        if failed := _failed(folder, whole):
+        if failed := _failed(folder, [folder / "tests" / room for room in ROOMS]):
             raise RuntimeError(f"{failed} fails on the unbroken project")
         drawn = draw(count, seed, folder)
         left = [mutant for mutant in drawn if mutant.key not in EQUIVALENT]

@@ -16,6 +16,7 @@ from ropefric.shown import Shown
 from ropefric.traces.trace import ForceTrace
 
 _MOST_SAMPLES = 2**52
+_PIECE = 2**22
 _SUCH_AS = 'give a window such as "10 ms"'
 
 
@@ -29,14 +30,17 @@ class SmoothedForce(Shown):
         Time stamps [s] and averages [N]; NaN where a window holds no sample.
     window_s : float
         Full width of the window [s]; 0 = not smoothed.
+    n_missing : int
+        Samples missing in the trace (NaN).
     """
 
-    _said = ("time_s", "force_N", "window_s")
+    _said = ("time_s", "force_N", "window_s", "n_missing")
     _framed = ("time_s", "force_N")
 
     time_s: FloatArray
     force_N: FloatArray
     window_s: float
+    n_missing: int
 
 
 def window_samples(window_s: float, step_s: float) -> int:
@@ -52,18 +56,44 @@ def window_samples(window_s: float, step_s: float) -> int:
 
 
 def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
-    """Return the centred mean of finite values over `n_window` samples, an odd number.
+    """Return the centred mean over `n_window` samples, an odd number.
 
     Near the ends the window shrinks on both sides alike, so a straight line stays a straight line up to its last
-    sample; nothing is padded.
+    sample; nothing is padded. Missing samples (NaN) are left out of the means.
     """
     values = np.asarray(values, dtype=np.float64)
+    missing = np.isnan(values)
+    if n_window == 1 or missing.all():
+        return values.copy()
+    if not missing.any():
+        return _centred_mean(values, n_window)
+    # The mean of what is there = smoothed values / smoothed presence; relative to a level, so that large common
+    # offsets do not eat the digits.
+    level = float(values[~missing][0])
+    summed = _centred_mean(np.where(missing, 0.0, values - level), n_window)
+    present = _centred_mean(np.where(missing, 0.0, 1.0), n_window)
+    # Below half a sample's share, presence is only rounding of the running sum.
+    empty = present < 0.5 / n_window
+    result = np.full(values.shape, np.nan)
+    np.divide(summed, present, out=result, where=~empty)
+    return result + level
+
+
+def _centred_mean(values: FloatArray, n_window: int) -> FloatArray:
+    """Centred mean of finite values, the window shrinking symmetrically at the ends."""
     n = values.size
     half = min(n_window // 2, (n - 1) // 2)
+    level = float(values[0])
     if not half:
         return values.copy()
-    level = float(values[0])
-    result = np.asarray(uniform_filter1d(values - level, 2 * half + 1, mode="nearest"))
+    result = np.empty(n)
+    # Piece by piece, so that a long recording needs no second copy and its running sum does not drift.
+    piece = max(_PIECE, 8 * half)
+    for first in range(0, n, piece):
+        start = max(first - half, 0)
+        shifted = values[start : first + piece + half] - level
+        means = uniform_filter1d(shifted, 2 * half + 1, mode="nearest")
+        result[first : first + piece] = means[first - start : first - start + piece]
     sizes = 2 * np.arange(half) + 1
     result[:half] = np.cumsum(values[: 2 * half] - level)[::2] / sizes
     result[n - half :] = (np.cumsum((values[n - 2 * half :] - level)[::-1])[::2] / sizes)[::-1]
@@ -94,13 +124,17 @@ def average_over_time(time_s: FloatArray, values: FloatArray, window_s: float) -
 
 def smooth(trace: ForceTrace, window_s: float) -> SmoothedForce:
     """Return a trace's force under a centred moving average."""
+    n_missing = int(np.isnan(trace.force_N).sum())
     rate_Hz = trace.sampling_rate_Hz
-    is_mean = rate_Hz > 0.0 and window_samples(window_s, 1.0 / rate_Hz) > 1
-    force_N = average_over_time(trace.time_s, trace.force_N, window_s) if is_mean else trace.force_N
+    n_window = window_samples(window_s, 1.0 / rate_Hz) if rate_Hz else 1
+    if n_window == 1:
+        force_N, used_s = trace.force_N, 0.0
+    elif is_uniform(trace.time_s):
+        force_N, used_s = average_over_samples(trace.force_N, n_window), n_window / rate_Hz
+    else:
+        force_N, used_s = average_over_time(trace.time_s, trace.force_N, window_s), window_s
     return SmoothedForce(
-        time_s=trace.time_s,
-        force_N=frozen_array(force_N),
-        window_s=window_s if is_mean else 0.0,
+        time_s=trace.time_s, force_N=frozen_array(force_N), window_s=used_s, n_missing=n_missing
     )
 
 

@@ -131,7 +131,11 @@ def inspect(
     from ropefric.traces.readers.profile import ImportProfile, profile_to_toml  # noqa: PLC0415  (quick start-up)
 
     if file.is_dir():
-        raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
+        raise DataError(
+            "this is a folder, not a recording",
+            path=file,
+            fix=f"name one file of it, or `ropefric check {file}`",
+        )
     options.refuse_file(write_profile, file, force=force)
     given = {"memory_bytes": memory, "time_s": time}
     limits = workers.Limits(**{name: value for name, value in given.items() if value is not None})
@@ -154,14 +158,6 @@ def _inspect(file: Path, profile: "ImportProfile", _: int) -> "Inspection":
     from ropefric.traces.readers.inspection import inspect_file  # noqa: PLC0415
 
     return inspect_file(file, profile)
-
-
-def _fix_of_folder(folder: Path) -> str:
-    """Return what to name instead of a folder; a campaign's recordings are looked at by other commands."""
-    if (folder / "campaign.toml").is_file():
-        return f"name one file of it; `ropefric check {folder}` checks the campaign"
-    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
-    return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
 def _sections(found: "Inspection", profile: str) -> list["section.Section"]:

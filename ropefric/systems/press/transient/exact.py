@@ -244,7 +244,8 @@ class Phase(Propagator):
             raise SolverError(
                 "no grid is fine enough for the fastest motion",
                 code="RF524",
-                fix="correct the inertias, masses and stiffnesses",
+                key="start_up.simulate",
+                fix="correct the inertias, masses, stiffnesses and dampings",
             )
         flows = [self.step(self.gap_s / 2**last)]
         while len(flows) <= last - first:

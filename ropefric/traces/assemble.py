@@ -101,7 +101,9 @@ def _with_derived(
         time_s = fastest({name: signals[name] for name in signals if name in words} or signals)
         aligned = {name: interpolated(signal, time_s) for name, signal in signals.items()}
         found = evaluate_derived(profile.derived, aligned, profile.constants, path=raw.source)
-        signals = signals | {name: Signal(time_s, found[name], "N") for name in profile.derived}
+        # A channel that is computed from itself, -force, still holds the volts that its cell turns into newtons.
+        units = {name: signals[name].unit if name in signals else "N" for name in profile.derived}
+        signals = signals | {name: Signal(time_s, found[name], unit) for name, unit in units.items()}
     if not {_PULL.newtons, _PULL.counts} & signals.keys():
         others = f"; its channels are {', '.join(signals)}" if signals else ""
         message = f"no column of {raw.name} is named as the channel 'force' or 'counts'{others}"

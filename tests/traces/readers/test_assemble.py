@@ -119,6 +119,10 @@ def test_a_derived_force_is_computed_in_si():
     )
     trace = assemble_trace(recording, profile)
     assert (trace.force_N, trace.time_s) == (pytest.approx([10, 20]), pytest.approx([0, 0.01]))
+    # Volts that are turned round are volts: they were taken for newtons.
+    turned = ImportProfile(derived={"force": "-force"})
+    with pytest.raises(DataError, match="holds V, and nothing says how much force that is"):
+        assemble_trace(raw({"time": "s", "force": "V"}, time=[0, 1], force=[-1, -2]), turned)
 
 
 CHANNELS = {"a": np.array([1.0, 4.0, np.nan]), "b": np.array([2.0, -2.0, 1.0])}

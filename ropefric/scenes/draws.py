@@ -16,12 +16,11 @@ from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite, value_at
 from ropefric.scenes.plan import solve_planned
-from ropefric.scenes.points import BLOCK, Answers, Points, Progress, solve_points
+from ropefric.scenes.points import BLOCK, MOST_CASES, Answers, Points, Progress, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 
-MOST_DRAWS = 1_000_000
 FEWEST_DRAWS = 10
 _OWN_PARAMETERS = "friction.parameters."
 
@@ -246,11 +245,11 @@ def draw_scene(
 ) -> Draws:
     """Return what a scene answers to draws of what it is not sure of, planned once, solved here or by an executor."""
     check_level(level)
-    if not FEWEST_DRAWS <= count <= MOST_DRAWS or seed < 0:
+    if not FEWEST_DRAWS <= count <= MOST_CASES or seed < 0:
         raise InputError(
             f"{count} draws with seed {seed}",
             key="--draws",
-            fix=f"choose {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
+            fix=f"choose {FEWEST_DRAWS} to {MOST_CASES} draws and a seed from 0",
         )
     kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
     with placed(scene.document):

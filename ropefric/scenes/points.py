@@ -25,6 +25,9 @@ from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import applicable, assemble
 
+MOST_CASES = 1_000_000
+"""Of an axis, of a whole grid, and of draws: all are held, some 200 MB."""
+
 BLOCK = 50_000
 _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""

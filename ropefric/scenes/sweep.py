@@ -18,11 +18,8 @@ from ropefric.files.plain_text import arrow, csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import value_at
-from ropefric.scenes.points import BLOCK, Answers, Points, Progress, solve_points
+from ropefric.scenes.points import BLOCK, MOST_CASES, Answers, Points, Progress, solve_points
 from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of
-
-MOST_POINTS = 1_000_000
-"""Of an axis, and of a whole grid: some 200 MB."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,9 +68,9 @@ def _between(asked: str, ends: FloatArray, parts: list[str]) -> FloatArray:
     """Return the values of a range between two ends, spaced as asked."""
     count, spaced = parts if len(parts) == 2 else ("".join(parts[:1]), "linear")
     counted = int(count) if len(parts) <= 2 and count.isdecimal() and len(count) < 20 else 0
-    if not 2 <= counted <= MOST_POINTS or spaced not in {"linear", "log"}:
+    if not 2 <= counted <= MOST_CASES or spaced not in {"linear", "log"}:
         raise InputError(
-            f"{asked!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",
+            f"{asked!r} is not START:STOP:COUNT with a count from 2 to {MOST_CASES}",
             key="--sweep",
             fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
         )
@@ -181,9 +178,9 @@ def sweep_scene(
     if not axes or len(set(grid.keys)) < len(axes):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
     total = prod(grid.shape)
-    if total > MOST_POINTS:
+    if total > MOST_CASES:
         raise InputError(
-            f"a grid of {' × '.join(map(str, grid.shape))} is {total} points; the limit is {MOST_POINTS}",
+            f"a grid of {' × '.join(map(str, grid.shape))} is {total} points; the limit is {MOST_CASES}",
             key="--sweep",
             fix="use fewer values of each key",
         )

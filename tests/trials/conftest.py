@@ -166,6 +166,9 @@ class Bench:
     def problems(self):
         return check_campaign(self.path)
 
+    def places(self):
+        return [(p.path.rsplit("/", 1)[1], p.code, p.key) for p in self.problems()]
+
     def errors(self):
         return [problem for problem in self.problems() if problem.severity == "error"]
 

@@ -369,8 +369,11 @@ def _speeds_m_s(problem: SawProblem, side: Side) -> FloatArray:
     static_N = problem.preload_N + side.sign * problem.pull_N
     loose = 1.0 if problem.mounting_factor is None else max(1.0 - float(problem.mounting_factor[0]), 1e-3)
     critical_m_s = np.sqrt(static_N / (loose * problem.linear_density_kg_m))
-    at_work_m_s = 0.0 if problem.speed_m_s is None else float(problem.speed_m_s[0])
-    return np.linspace(0.0, min(1.5 * max(at_work_m_s, 1.0), _FASTEST * float(critical_m_s[0])), _SPEEDS)
+    return np.linspace(
+        0.0,
+        min(1.5 * max(resonance.work_speed_m_s(problem), 1.0), _FASTEST * float(critical_m_s[0])),
+        _SPEEDS,
+    )
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:

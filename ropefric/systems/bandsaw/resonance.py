@@ -45,7 +45,7 @@ def _excited_Hz(excitations: tuple[Excitation, ...], speed_m_s: npt.ArrayLike) -
     return np.concatenate([none, *(one.frequencies_Hz(speed_m_s) for one in excitations)], axis=-1)
 
 
-def _speed_m_s(problem: SawProblem) -> float:
+def work_speed_m_s(problem: SawProblem) -> float:
     """Return the blade's speed at work; 0 where the wheels are not known."""
     return 0.0 if problem.speed_m_s is None else float(problem.speed_m_s[0])
 
@@ -123,7 +123,7 @@ def find_crossings(
     show whether it does.
     """
     ends, causes = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]], _harmonics(excitations)
-    work_m_s = _speed_m_s(problem)
+    work_m_s = work_speed_m_s(problem)
     curve = modes_over(problem, side, n_modes, "speed_m_s", ends=(float(ends[0]), float(ends[1])))
     above = curve(ends)[:, np.newaxis] > _excited_Hz(excitations, ends)[..., np.newaxis]
     cause, modes = np.nonzero(above[0] & ~above[1])
@@ -155,7 +155,7 @@ def margins(
     problem: SawProblem, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first."""
-    excited_Hz, found = _excited_Hz(excitations, _speed_m_s(problem)).tolist(), []
+    excited_Hz, found = _excited_Hz(excitations, work_speed_m_s(problem)).tolist(), []
     for side in sides:
         modes_Hz = frequencies_Hz(problem, side, n_modes)[0].tolist()
         for (mode, own_Hz), ((cause, harmonic), its_Hz) in product(
@@ -185,7 +185,7 @@ def saw_chart(
     for side in _SIDES:
         found += find_crossings(problem, side, excitations, speeds, n_modes)
         modes_Hz[side] = modes_over(problem, side, n_modes, "speed_m_s", ends=ends)(speeds)
-    return SawChart(_speed_m_s(problem), speeds, modes_Hz, excitations, in_order(found))
+    return SawChart(work_speed_m_s(problem), speeds, modes_Hz, excitations, in_order(found))
 
 
 _TRIED = 2001
@@ -222,7 +222,7 @@ def recommend_preload(
     n_modes: int = 6,
 ) -> StrainAdvice:
     """Return the preload nearest to the present one at which all modes of both sides keep a margin."""
-    excited_Hz = _excited_Hz(excitations, _speed_m_s(problem))
+    excited_Hz = _excited_Hz(excitations, work_speed_m_s(problem))
     curves = [modes_over(problem, side, n_modes, "preload_N", ends=range_N) for side in _SIDES]
 
     def nearest(preload_N: npt.ArrayLike) -> FloatArray:

@@ -1,10 +1,13 @@
 """The house: imports go downward, libraries stay in their rooms, importing stays light, nothing grows crooked."""
 
 import ast
+import shutil
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
@@ -154,10 +157,13 @@ def test_top_level_is_fixed():
         "SECURITY.md",
         "CHANGELOG.md",
     }
-    tracked = subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
-    ).stdout.splitlines()
-    tops = {line.split("/")[0] for line in tracked}
+    git = shutil.which("git")
+    if git is None:
+        pytest.skip("git says which files belong to the project")
+    tracked = subprocess.run([git, "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    if not tracked:
+        pytest.skip("this is no checkout")
+    tops = {line.split("/")[0] for line in tracked.splitlines()}
     assert not {top for top in tops - allowed if not top.startswith(".")}
 
 

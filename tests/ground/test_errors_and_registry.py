@@ -41,6 +41,7 @@ def test_errors_survive_the_way_between_processes():
     copy = pickle.loads(pickle.dumps(error))  # noqa: S301  (our own bytes)
     assert type(copy) is DataError
     assert (str(copy), copy.problems) == (str(error), problems)
+    assert str(error) == "x.csv:2 k: a Fix: f (the first of 2, see .problems)"
     assert len(copy.to_dict()["error"]["problems"]) == 2
 
 

@@ -51,10 +51,10 @@ class Rest(NamedTuple):
 def with_its_zero(
     trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
 ) -> Breakaway:
-    """Return a result corrected for the zero that the rope at rest shows: level, drift and jump."""
+    """Return a result corrected for the zero that the rope at rest shows: drift, jump and, without a tare, level."""
     if result.status is not Status.OK or (result.peak_N <= TINY and settings.rest != "zero"):
         return result
-    blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
+    blocks, is_tared = prepared.blocks, trace.tare_N != 0.0 or settings.rest == "pretension"
     if settings.rest == "zero" and not is_tared and _begins_loaded(blocks, result):
         return _either(result, "the recording begins under load: it shows no zero to subtract")
     rests, later = _before_and_after(blocks, result)

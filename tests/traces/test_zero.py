@@ -1,11 +1,16 @@
 """The zero of a recording stays, drifts or jumps: forces drawn by hand whose truth is known, in white and slow noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drawn import PULL, TIME_S, drawn, hung, line, picked
 from scipy.signal import lfilter
 
 from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.calibration import Calibration, ForceCell
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import _alike, _parted
 
 LONG, BRIEF = 1.0, 0.3
@@ -141,6 +146,16 @@ def test_a_level_is_an_error_of_the_zero_or_a_pretension(level_N):
         assert picked(force_N, rest).peak_N == pytest.approx(true_N, abs=0.6)
     begins = picked(drawn(*PULL)[1800:], ZERO, TIME_S[1800:])
     assert "begins under load" in begins.detail
+
+
+def test_a_calibrated_force_is_asked_of_its_zero_like_any_other_unless_it_was_tared():
+    made = ForceTrace(time_s=TIME_S, force_N=pulled() + 6.0 + noise(6))
+    cell = Calibration(cell=ForceCell(name="K1", full_scale_N=1000.0, rated_output=0.002))
+    for calibration in (None, cell):
+        trace = replace(made, calibration=calibration)
+        names(pick_breakaway(trace, PickSettings())[0], 106.0, 100.0)
+        assert pick_breakaway(trace, ZERO)[0].peak_N == pytest.approx(100.0, abs=0.6)
+        assert pick_breakaway(replace(trace, tare_N=2.0), PickSettings())[0].status is Status.OK
 
 
 def test_a_rest_that_reads_less_than_nothing_after_a_load_is_in_doubt():

@@ -74,7 +74,7 @@ def _why_unknown(unit: str, error: InputError, *, is_stated: bool) -> tuple[str,
 
 
 def _no_scale(channel: str, reason: str, hint: str, example: str, path: str) -> DataError:
-    fix = f"{hint}, for example {channel} = {{ column = 1, {example} }}"
+    fix = f"{hint}, for example {channel} = {{ column = …, {example} }}"
     return DataError(reason, code="RF106", path=path, key=f"[import.channels] {channel}", fix=fix)
 
 

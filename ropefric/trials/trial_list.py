@@ -16,6 +16,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
 from ropefric.files.disk import kind_of_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.files.toml_edit import toml_key
 from ropefric.friction.condition import condition_groups
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -43,8 +44,8 @@ _MEANINGS = {
     **cells.POSITIVE,
     "file": "the recording it was made of",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
-    "cell": "a force cell, for its recording is in counts",
-    "end_cell": "the force cell of its slack side, which is in counts",
+    "cell": "a force cell, for its force is in counts, V or mV/V",
+    "end_cell": "the force cell of its slack side, whose signal is in counts, V or mV/V",
 }
 
 
@@ -214,7 +215,7 @@ def _check(row: _Row, campaign: CampaignFile, needed: Sequence[str], *, wrong_he
     row.need("file", "wrap_angle_rad", *needed)
     for name, known in _described(campaign).items():
         if (word := row.texts.get(name, "")) and word not in known:
-            fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
+            fix = f"describe it under [{name.removeprefix('end_')}s.{toml_key(word)}] in the campaign file"
             fix = did_you_mean(word[:80], known) if known else fix
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
     _check_wheel(row, campaign, wrong_header=wrong_header)

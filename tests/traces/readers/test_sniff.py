@@ -45,6 +45,22 @@ def test_a_profile_may_name_columns_without_their_units(write):
     assert (found.sampling_rate_Hz, found.doubts, found.stopped) == (100, (), "")
 
 
+def test_whole_steps_without_a_name_are_a_time_but_a_count_is_neither_time_nor_force(write):
+    found = inspect_file(write("".join(f"{5 * i} {i % 7}\n" for i in range(60))))
+    assert found.profile.channels == {"time": Channel(column=1, unit="ms"), "force": Channel(column=2)}
+    assert found.sampling_rate_Hz == 200
+    found = inspect_file(write("".join(f"{i} {i % 7}\n" for i in range(60))))
+    assert found.profile.channels == {"force": Channel(column=2)}
+    assert any('or, if it is a time, time = { column = 1, unit = "ms" }' in doubt for doubt in found.doubts)
+
+
+def test_a_force_that_a_cell_is_to_make_newtons_of_is_read_in_its_own_unit(write):
+    for unit, advice in (("mV/V", 'rated_output = "2 mV/V"'), ("mV", 'sensitivity = "25 N/mV"')):
+        found = inspect_file(write(f"t_s,F [{unit}]\n" + "".join(f"{i},{i / 8}\n" for i in range(9))))
+        assert found.read.endswith(f"0 to 1 {unit}; not yet in newtons: force"), found.stopped
+        assert any(advice in doubt for doubt in found.doubts)
+
+
 def test_the_inspection_is_json(write):
     found = inspect_file(write("t_s,F_N\n0,1\n1,2\n"), shown_as="run.csv").to_dict()
     again = json.loads(json.dumps(found))

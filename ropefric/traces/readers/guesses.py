@@ -275,8 +275,9 @@ def _with_time(
         return channels, table.facts.rate_Hz
     rate = 'set [import] sampling_rate, for example "3 kHz"'
     counter = next((i + 1 for i, array in enumerate(values) if array is not None and _counts(array)), 0)
-    named = f'column {counter} counts the rows: {rate}; or, if it is a time, time = {{ column = {counter}, unit = "ms" }}'
-    doubts.append(named if counter else f"no column looks like the time; {rate}")
+    named = f'time = {{ column = {counter}, unit = "ms" }}'
+    of_counter = f"column {counter} counts the rows: {rate}; or, if it is a time, {named}"
+    doubts.append(of_counter if counter else f"no column looks like the time; {rate}")
     return channels, None
 
 

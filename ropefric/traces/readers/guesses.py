@@ -27,6 +27,8 @@ _MOST_LABELS, _FEWEST_ROWS = 64, 10
 _SEEN_BYTES = 8 * 2**20
 """Several recordings are looked for in this much of a text."""
 _LONGEST_S = 4 * 3600.0
+_DAYS = (3e4, 1e6)
+"""Days of our time, as spreadsheets count them from 1900 on, others from the year 0."""
 _EVEN = 0.1
 """How far the steps of a time of any name may be from their median [-]."""
 _SET_VALUES = re.compile(r"(?:^|[\s_./])(?:set|goal|target|soll|nominal|preload|vorlast|command|cmd|limit)")
@@ -453,11 +455,13 @@ def _doubts_of(name: str, unit: str, channel: Channel) -> Iterator[str]:
 
 
 def _assumed_unit(present: FloatArray, doubts: list[str]) -> str:
-    """Return the unit that makes a recording of a time: loggers write whole milliseconds, parts of seconds."""
+    """Return the unit that makes a recording of a time: loggers write whole milliseconds, parts of seconds or days."""
     span, step = float(present[-1] - present[0]), float(np.median(np.diff(present)))
     units = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
     if (present == np.floor(present)).all():
         units.pop("s")
+    elif _DAYS[0] < present[0] < _DAYS[1]:
+        units = {"d": 86400.0, **units}
     fitting = (
         name for name, second_s in units.items() if span * second_s <= _LONGEST_S and step * second_s < 2.0
     )

@@ -331,6 +331,9 @@ def _name(rows: Sequence[_Row]) -> None:
             row.say("trial", "RF122", message, "give every trial its own name, or leave the cell empty")
 
 
+MOST_TURNS = 20
+"""90 degrees that are taken for radians are 14 turns, 180 degrees 29."""
+
 # --- what is doubtful in a list without errors, or cannot be learned from it: said once for the whole list ---
 
 
@@ -365,7 +368,7 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
     wheel_m, rope_m = trial.wheel_radius_m, trial.rope_radius_m
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
-    if (turns := trial.wrap_angle_rad / math.tau) > 100:
+    if (turns := trial.wrap_angle_rad / math.tau) > MOST_TURNS:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:

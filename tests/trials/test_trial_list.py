@@ -135,8 +135,7 @@ def test_a_list_without_wheels_table(bench):
 
 DOUBTS = {
     "radius in metres": ("wheel_radius_mm", "wheel_radius_m", "wheel_radius", "35 m is outside 1 mm to 10 m"),
-    "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
-    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "turns is probably in another unit"),
+    "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", "wrap_angle", "turns is probably in another unit"),
     "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
     "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
 }  # fmt: skip

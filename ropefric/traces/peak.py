@@ -45,12 +45,11 @@ _STD_OF_MAXIMUM = (0.443, 0.496, 0.577, 0.684, 0.771, 0.845, 0.906, 0.946, 0.987
 
 
 class Neighbourhood(NamedTuple):
-    """Where a peak lies, in samples: where the climb begins, the peak itself up to `stop`, and where it has fallen."""
+    """Where a peak lies, in samples: where the climb begins, and from where up to `stop` the peak itself."""
 
     loading: int
     first: int
     stop: int
-    fallen: int
 
 
 def peak_result(
@@ -69,7 +68,6 @@ def peak_result(
         loading=blocks.first_sample(climb),
         first=blocks.first_sample(block - 1),
         stop=blocks.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
-        fallen=blocks.last_sample(fallen, n),
     )
     peak = measure_peak(
         prepared.time_s,

@@ -26,7 +26,6 @@ from ropefric.traces.segments import (
     TINY,
     Prepared,
     half_climb,
-    phases_of,
     prepare,
     sliding_after,
     wanted,
@@ -177,18 +176,18 @@ def _highest(prepared: Prepared, settings: PickSettings) -> Breakaway:
     if not fallen.size:
         return without_force(Status.NO_BREAKAWAY, f"the mean never falls by {fall_N:.4g} N", prepared)
     top = int(np.argmax(mean_N[: fallen[0]]))
-    drop_N, std_N = float(mean_N[top] - mean_N[fallen[0] :].min()), prepared.noise_N / float(np.sqrt(n))
-    found = without_force(
-        Status.OK, "highest mean before the first fall", prepared, drop_N=drop_N, bias_N=0.0
-    )
-    peak_N, time_s = float(mean_N[top]), float(prepared.time_s[top])
-    return replace(
-        found,
-        peak_N=peak_N,
+    return Breakaway(
+        status=Status.OK,
+        detail="highest mean before the first fall",
+        peak_N=float(mean_N[top]),
         peak_raw_N=float(prepared.force_N[top]),
-        peak_time_s=time_s,
-        peak_std_N=std_N,
+        peak_time_s=float(prepared.time_s[top]),
+        peak_std_N=prepared.noise_N / float(np.sqrt(n)),
+        bias_N=0.0,
         window_s=n * step_s,
+        noise_std_N=prepared.noise_N,
+        drop_N=float(mean_N[top] - mean_N[fallen[0] :].min()),
+        notes=prepared.notes,
     )
 
 
@@ -406,15 +405,7 @@ def measured(
     sliding = None if rests is None else sliding_after(prepared, block, fallen, rests)
     if sliding is None:
         fallen = min(block + 2, force_N.size - 1)
-    result = peak_result(
-        prepared,
-        settings,
-        climb=half_climb(force_N, block, start),
-        block=block,
-        fallen=fallen,
-        sliding=sliding,
-        phases=phases_of(prepared, block, sliding),
-    )
+    result = peak_result(prepared, settings, block, start=start, fallen=fallen, sliding=sliding)
     if sliding is None:
         return result
     teeth = teeth_of(force_N[block : sliding.stop + 1], least_fall_N(prepared, settings)) + block

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
-from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.segments import TINY, Prepared, Sliding, kinetic
+from ropefric.traces.segments import TINY, Prepared, Sliding, half_climb, kinetic, phases_of
 from ropefric.traces.smoothing import average_over_samples, window_samples
 
 LONGEST_WINDOW_S = 0.02
@@ -55,17 +55,16 @@ class Neighbourhood(NamedTuple):
 def peak_result(
     prepared: Prepared,
     settings: PickSettings,
-    *,
-    climb: int,
     block: int,
+    *,
+    start: int,
     fallen: int,
     sliding: Sliding | None,
-    phases: tuple[Phase, ...],
 ) -> Breakaway:
-    """Return the result `ok` for the peak at a block, with what was met on the way."""
+    """Return the result `ok` for the peak at a block whose climb begins after a start, with what was met on the way."""
     blocks, n = prepared.blocks, prepared.force_N.size
     where = Neighbourhood(
-        loading=blocks.first_sample(climb),
+        loading=blocks.first_sample(half_climb(blocks.force_N, block, start)),
         first=blocks.first_sample(block - 1),
         stop=blocks.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
     )
@@ -78,6 +77,7 @@ def peak_result(
         n_rest=blocks.n_rest,
     )
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    phases = phases_of(prepared, block, sliding)
     trough_N = float(blocks.force_N[block : fallen + 2].min()) if sliding else nan
     block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]

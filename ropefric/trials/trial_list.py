@@ -348,19 +348,18 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
     """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
     warn = partial(Problem, path=path, severity="warning")
-    doubts = [*_doubts(trials, warn), *_nothing_hung(used, warn)]
+    doubts = [
+        warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
+        for trial in trials
+        for key, message, fix in _doubts_of(trial)
+    ]
+    doubts += _nothing_hung(used, warn)
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
         doubts += _few_repeats(used, warn)
     return tuple(sorted(doubts, key=lambda doubt: (doubt.line or 0, doubt.code, doubt.key)))
 
 
 _Warn = Callable[..., Problem]
-
-
-def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    for trial in trials:
-        for key, message, fix in _doubts_of(trial):
-            yield warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
 
 
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:

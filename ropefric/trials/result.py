@@ -346,6 +346,7 @@ FEWEST, LEAST_STD = 6, 0.02
 """Trials that say what a force at rest is; the smallest standard error of the power of F_B."""
 MU = 0.01, 3.0
 """Smallest and largest coefficient of ropes and belts, those in a groove included."""
+CHECK_UNITS = "check the units of the wrap angle, the end tension and the force"
 UNSTATED = 0.02
 """How far a measured end tension may be from what was hung, as a part of it, unless both are stated."""
 
@@ -371,8 +372,7 @@ def _implausible(trials: Sequence[TrialResult]) -> Iterator[Problem]:
     mu = _mean([abs(one.mu) for one in trials])
     if not (math.isnan(mu) or MU[0] <= mu <= MU[1]):
         message = f"the apparent coefficient ln(F_A/F_B)/φ is {mu:.2g}, outside {MU[0]:g} to {MU[1]:g}"
-        fix = "check the units of the wrap angle, the end tension and the force"
-        yield Problem(code="RF140", message=message, fix=fix, severity="warning")
+        yield Problem(code="RF140", message=message, fix=CHECK_UNITS, severity="warning")
 
 
 def _meaning_of_rest(trials: Sequence[TrialResult]) -> Iterator[Problem]:

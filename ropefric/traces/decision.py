@@ -114,8 +114,9 @@ def usable(trace: ForceTrace, settings: PickSettings) -> Prepared | Breakaway:
             f"{trace.force_N.size} samples, {n} of them usable{inside}; at least {MIN_SAMPLES} are needed"
         )
         return Breakaway(status=Status.TOO_SHORT, detail=detail)
-    is_seen = settings.pick_s is not None
-    if not is_seen and (said := incoherence(trace.time_s[part][present], trace.force_N[part][present])):
+    if settings.pick_s is None and (
+        said := incoherence(trace.time_s[part][present], trace.force_N[part][present])
+    ):
         return without_force(Status.DOUBTFUL, said, prepared)
     return prepared
 
@@ -354,16 +355,9 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
     """Return a doubtful result: several candidates, or a candidate and a reason, are possible."""
     time_s = prepared.blocks.time_s
     events = tuple(
-        ForceEvent(
-            kind="break-away",
-            time_s=float(time_s[one.block]),
-            force_N=one.force_N,
-            drop_N=nan,
-            fall_s=nan,
-            probability=one.probability,
-        )
-        for one in found.candidates
-        if one.probability >= SEEN
+        ForceEvent(kind="break-away", time_s=float(time_s[at]), force_N=force_N, probability=share)
+        for at, force_N, share, *_ in found.candidates
+        if share >= SEEN
     )
     said = [f"{event.force_N:.4g} N at {event.time_s:.4g} s ({event.probability:.2f})" for event in events]
     damaged = Status.DOUBTFUL

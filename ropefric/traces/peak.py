@@ -110,11 +110,6 @@ def peak_result(
     )
 
 
-def early_s(peak: Breakaway) -> float:
-    """Return by how long the highest of noisy samples may lie before the top of a climb [s]."""
-    return min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
-
-
 def gap_beside(time_s: FloatArray, peak: Breakaway, first: int | None = None) -> tuple[float, int]:
     """Return the length of a gap in the samples next to a peak or the end of its window [s], and the sample before it.
 
@@ -122,7 +117,8 @@ def gap_beside(time_s: FloatArray, peak: Breakaway, first: int | None = None) ->
     """
     index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
-    half = round((0.5 * peak.window_s + early_s(peak)) / max(usual_s, TINY))
+    early_s = min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
+    half = round((0.5 * peak.window_s + early_s) / max(usual_s, TINY))
     first = min(max(0, index - 2), index if first is None else first)
     steps_s = np.diff(time_s[first : index + half + 4], append=-np.inf)
     at = int(np.argmax(steps_s))

@@ -210,8 +210,8 @@ def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, 
         levels = _levels(force_N, band_N, WEIGHT * top_N)
         means = [float(_inner(force_N, level).mean()) for level in levels]
         high = int(np.argmax(means)) if means else 0
-        low = _lowering(means, high, 0.5 * band_N)
-        if low > high:
+        if high + 1 < len(levels):
+            low = high + 1 + int(np.argmin(means[high + 1 :]))  # a rope that stops in between holds more
             ratio, fall_N = means[high] / means[low], means[high] - means[low]
             if fall_N > 0.5 * band_N and ratio > best * (BETTER if pair else 1.0):
                 best, pair = ratio, (levels[high], levels[low])
@@ -224,17 +224,6 @@ def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, 
         detail = f"the steady forces of raising and lowering last {fewest} samples: too few to determine their scatter"
         return (without_force(Status.TOO_SHORT, detail, prepared),)
     return (_result(prepared, raising, lowering),)
-
-
-def _lowering(means_N: list[float], high: int, apart_N: float) -> int:
-    """Return the steady force after the highest one that is of lowering; the last one where there is none.
-
-    It is the first one, unless one follows that is lower by more than this: a rope that stops in between holds more.
-    """
-    low = min(high + 1, len(means_N) - 1)
-    for later in range(low + 1, len(means_N)):
-        low = later if means_N[low] - means_N[later] > apart_N else low
-    return low
 
 
 def _levels(force_N: FloatArray, band_N: float, loaded_N: float) -> list[tuple[int, int]]:

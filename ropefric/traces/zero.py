@@ -441,8 +441,7 @@ def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breaka
     """Return a doubtful result with several possible forces at one place, each with the assumption behind it."""
     events = tuple(
         ForceEvent(
-            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, fall_s=math.nan,
-            evidence=evidence,
+            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, evidence=evidence
         )
         for evidence, force_N in forces_N.items()
     )  # fmt: skip

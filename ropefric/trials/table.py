@@ -487,8 +487,7 @@ def _implausible(
     if odd.size:
         outside = f"with an apparent coefficient outside {MU[0]:g} to {MU[1]:g}"
         message = f"{counted(odd.size, 'row')} {outside}, the first here: {mu[odd[0]]:.2g}"
-        line = table.rows[int(odd[0])][0]
-        yield table.problem(line, "", "RF140", message, CHECK_UNITS, warning=True)
+        yield table.problem(table.rows[int(odd[0])][0], "", "RF140", message, CHECK_UNITS, warning=True)
 
 
 def _cut_off(table: cells.CellTable) -> Iterator[Problem]:

@@ -222,17 +222,15 @@ PLUGIN_MODULE = "ropefric_plugin_"
 def plugin_error(error: BaseException) -> DataError | None:
     """Return the failure of a plugin with its file and line; None for an exception that comes out of none."""
     frames = [
-        (frame.f_globals.get("__name__"), frame.f_code, line) for frame, line in walk_tb(error.__traceback__)
+        (frame.f_code.co_filename, line)
+        for frame, line in walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__")).startswith(PLUGIN_MODULE)
     ]
-    places = [(code.co_filename, line) for name, code, line in frames if str(name).startswith(PLUGIN_MODULE)]
-    if isinstance(error, RopefricError) or not places:
+    if isinstance(error, RopefricError) or not frames:
         return None
-    path, line = places[-1]
-    message, fix = (
-        f"the plugin fails: {type(error).__name__}: {error}",
-        "`ropefric check-plugin` tries it by itself",
-    )
-    return DataError(message, code="RF160", path=path, line=line, fix=fix)
+    message, fix = f"{type(error).__name__}: {error}", "`ropefric check-plugin` tries it by itself"
+    path, line = frames[-1]
+    return DataError(f"the plugin fails: {message}", code="RF160", path=path, line=line, fix=fix)
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:

@@ -358,11 +358,8 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     rows.refuse_unusable(kept & np.array([word == "ok" for word in status], dtype=np.bool_))
     given = zip(map(from_spreadsheet, rows.words("trial")), table.rows, strict=True)
     trial = tuple(name or f"row-{line}" for name, (line, _) in given)
-    doubts = (
-        *_names_twice(table, trial),
-        *_rows_twice(table, rows.numbers, kept),
-        *_implausible(table, rows.numbers, kept),
-    )
+    twice = (*_names_twice(table, trial), *_rows_twice(table, rows.numbers, kept))
+    doubts = (*twice, *_implausible(table, rows.numbers, kept))
     every = (*problems, *found, *rows.problems(), *doubts, *_cut_off(table), *_too_few(table, kept, status))
     raise_problems(every)
     stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
@@ -480,9 +477,8 @@ def _implausible(
     with np.errstate(all="ignore"):
         mu = np.log(numbers["peak_N"] / numbers["end_tension_N"]) / numbers["wrap_angle_rad"]
     usable = kept & np.isfinite(mu)
-    is_low = (
-        usable.any() and float(np.median(np.abs(mu[usable]))) < MU[0]
-    )  # a single one may be low by scatter
+    # A single one may be low by scatter.
+    is_low = usable.any() and float(np.median(np.abs(mu[usable]))) < MU[0]
     odd = np.flatnonzero(usable & ((mu > MU[1]) | is_low))
     if odd.size:
         outside = f"with an apparent coefficient outside {MU[0]:g} to {MU[1]:g}"

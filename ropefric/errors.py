@@ -12,6 +12,7 @@ from functools import partial
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import PurePath
+from traceback import walk_tb
 from typing import Any, Literal, NamedTuple
 
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
@@ -208,9 +209,29 @@ def known_error(error: BaseException, *, report_with: str, path: str = "") -> Ro
     if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):
         reason, fix = error.strerror or str(error), "check the path, its permissions and the space left"
         return DataError(reason.lower(), path=os.fsdecode(error.filename or path), fix=fix)
+    if of_plugin := plugin_error(error):
+        return of_plugin
     message = f"internal fault, {type(error).__name__}: {error}"
     fix = f"this is a bug in ropefric, not in your data: please report it with {report_with}"
     return InternalError(message, path=path, fix=fix)
+
+
+PLUGIN_MODULE = "ropefric_plugin_"
+"""How the name of a plugin's module begins."""
+
+
+def plugin_error(error: BaseException) -> DataError | None:
+    """Return the failure of a plugin with its file and line; None for an exception that comes out of none."""
+    frames = [
+        (frame.f_code.co_filename, line)
+        for frame, line in walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__")).startswith(PLUGIN_MODULE)
+    ]
+    if isinstance(error, RopefricError) or not frames:
+        return None
+    message, fix = f"{type(error).__name__}: {error}", "`ropefric check-plugin` tries it by itself"
+    path, line = frames[-1]
+    return DataError(f"the plugin fails: {message}", code="RF160", path=path, line=line, fix=fix)
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ropefric.errors import PATH, DataError, Problem, RopefricError
+from ropefric.errors import PATH, PLUGIN_MODULE, DataError, Problem, RopefricError
 from ropefric.executors import CARRIED
 from ropefric.files.disk import read_file
 from ropefric.files.toml import TomlDocument
@@ -173,7 +173,7 @@ def _run(path: Path, content: bytes, shown: str) -> dict[str, Any]:
     """Run a plugin and return what it defines."""
     fix = "correct the file; `ropefric check-plugin` tries it by itself"
     try:
-        module = ModuleType(f"ropefric_plugin_{path.stem}")
+        module = ModuleType(f"{PLUGIN_MODULE}{path.stem}")
         module.__file__ = str(path)
         sys.modules[module.__name__] = module  # dataclasses look their module up
         exec(compile(content, str(path), "exec"), module.__dict__)  # noqa: S102  (what a plugin is for)

@@ -139,6 +139,21 @@ def test_a_campaign_names_reader_rule_and_protocol(lab, capsys):
     assert changed.trials[0].peak_N == pytest.approx(0.1, abs=1e-3)
 
 
+def test_a_reader_that_fails_on_a_file_is_named_with_its_line(lab, capsys):
+    edit(lab / "my_reader.py", "    rows = []\n", "    rows = [][1]\n")
+    code, told = run(capsys, "inspect", "pull0.rlg", "--plugin", "my_reader.py")
+    where = told["error"]["where"]
+    assert (code, told["error"]["code"], "IndexError" in told["error"]["message"]) == (3, "RF160", True)
+    line = next(
+        n for n, text in enumerate((lab / "my_reader.py").read_text().split("\n"), 1) if "[][1]" in text
+    )
+    assert where.endswith(f"my_reader.py:{line}")
+    extraction = rf.extract(rf.load_campaign("campaign.toml"))
+    assert {(one.code, one.line) for one in extraction.problems if one.severity == "error"} == {
+        ("RF160", line)
+    }
+
+
 @pytest.mark.slow
 def test_worker_processes_have_it(lab, monkeypatch):
     """A spawned one, too, which knows nothing of this process but what it is handed."""

@@ -23,8 +23,8 @@ from ropefric.quantities import SUFFIX_UNITS, spelled_unit
 NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
 """Cell texts that mean "no value" in every file, beside the empty cell."""
 
-THOUSANDS = (",", ".", "'", " ", "\u2019", "\u00a0")
-"""Marks that may stand between thousands."""
+THOUSANDS = (",", ".", "'", " ", "\u2019", "\u00a0", "\u202f")
+"""Marks that may stand between thousands; a blank stands for those that do not break a line, too."""
 
 SEPARATORS = ("\t", ";", "|", ",", " ")
 """By preference: TAB before blanks, and "," only where nothing stronger divides the numbers."""
@@ -136,6 +136,8 @@ def is_number(cell: str, decimal: str) -> bool:
 
 def number_of(cell: str, decimal: str, thousands: str) -> float:
     """Return the finite number of a cell with this decimal mark, its thousands grouped where they are; else infinity."""
+    if thousands == " ":
+        cell = " ".join(cell.split())
     if thousands and thousands in cell:
         first, *groups = cell.partition(decimal)[0].split(thousands)
         of_three = all(len(group) == 3 and group.isdecimal() for group in groups)
@@ -149,8 +151,8 @@ def looks_numeric(cell: str) -> bool:
 
 
 def is_value(cell: str) -> bool:
-    """Return whether a cell is written like a number or a time stamp."""
-    return looks_numeric(cell) or is_stamp(cell)
+    """Return whether a cell is written like a number, perhaps with its unit behind it, or a time stamp."""
+    return looks_numeric(cell) or is_stamp(cell) or bool(unit_behind(cell))
 
 
 def bare_unit(text: str) -> str:
@@ -369,9 +371,11 @@ def _first_data_row(rows: Sequence[Sequence[str]], below: Sequence[int], layout:
     """
     typical = _typical_row(_with_numbers([rows[number - 1] for number in below[-_N_SAMPLE:]]))
     is_numeric = [is_value(cell) or not cell for cell in typical]  # no word where nothing is, either
+    units = [("", unit_behind(cell)) for cell in typical]  # a row of other units is a head: 25 Hz
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()
         is_typical = len(row) == len(typical) and _holds_numbers(row, is_numeric, layout.no_value)
+        is_typical &= all(unit_behind(cell) in known for cell, known in zip(row, units, strict=False))
         if is_fact(after) or not (is_typical or _holds_numbers(row, repeat(True), layout.no_value)):
             continue
         if is_typical or not after or any(map(is_value, after)):
@@ -474,7 +478,7 @@ def read_stamps(
 
     Stamps with a zone count in UTC. Those without are of a clock that nobody sets; one that goes back by an hour is
     refused. Without a date, a fall by more than twelve hours is midnight. A date whose order only the writer can know
-    is refused.
+    is refused, unless all stamps are of one day.
     """
     rows = list(cells)
     stamps = _stamps_by_place(rows, frozenset(no_value), refuse)
@@ -498,7 +502,7 @@ def read_stamps(
             count += _DAY
         counts.append(count)
     seconds[list(stamps)] = [(count - counts[0]) / _S for count in counts]
-    facts = [ORDERS[order] if dates else "without a date"]
+    facts = [ORDERS.get(order, "all of one day") if dates else "without a date"]
     if n_midnights:
         facts.append(f"past midnight {n_midnights} times")
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
@@ -527,7 +531,10 @@ def _form(match: _Stamp) -> tuple[bool, bool]:
 
 
 def _order(lines: Mapping[str, int], stated: str, refuse: _Refuse) -> str:
-    """Return the order of the numbers in dates: year first where four digits are, else as stated, else by what shows."""
+    """Return the order of the numbers in dates: year first where four digits are, else as stated, else by what shows.
+
+    Where nothing shows it, "" for one day, which the time is not counted over; more are refused.
+    """
     if all(text[:4].isdigit() for text in lines):
         return "ymd"
     if stated or all("." in text for text in lines):
@@ -536,13 +543,17 @@ def _order(lines: Mapping[str, int], stated: str, refuse: _Refuse) -> str:
     for order, at in (("dmy", 0), ("mdy", 1)):
         if any(int(_SEPARATORS.split(text)[at]) > 12 for text in lines):
             return order
+    if len(lines) == 1:
+        return ""
     some = min(lines)
     why = f"{some!r} may mean day, month, year or month, day, year"
     raise refuse(lines[some], why, 'set [import] date_order = "mdy" or "dmy"')
 
 
 def _days(lines: Mapping[str, int], order: str, refuse: _Refuse) -> dict[str, int]:
-    """Return the day number of every date."""
+    """Return the day number of every date, 0 for a day that may be two."""
+    if not order:
+        return dict.fromkeys(lines, 0)
     days = {}
     for text, line in lines.items():
         named = dict(zip(order, map(int, _SEPARATORS.split(text)), strict=True))

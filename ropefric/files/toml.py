@@ -82,11 +82,13 @@ def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocume
 
 
 _QUOTED = 'put text and quantities in quotes: "40 mm"'
+_QUOTED_NAME = 'close the bracket, and put a name with blanks in quotes: [wheels."my wheel"]'
 _CLOSE = "close the quote"
 # How a message of tomllib begins, what it means, and what to do.
 _MEANINGS = (
     ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
     ("Cannot declare", "this table is given a second time", "join both under one heading"),
+    ("Expected ']' at the end of a table", "the name of the table is not closed", _QUOTED_NAME),
     ("Invalid value", "the value is not TOML", _QUOTED),
     ("Expected newline or end", "something follows the value", _QUOTED),
     ("Expected '='", "there is no '=' after the key", 'write key = "value"'),

@@ -24,7 +24,7 @@ from ropefric.page.review import changed_meanwhile, decimated
 from ropefric.page.work import Step
 from ropefric.quantities import parse_quantity
 from ropefric.traces.readers import read_recordings
-from ropefric.traces.readers.inspection import Inspection, as_signals, trace_as_it_is
+from ropefric.traces.readers.inspection import Inspection, signals_of_cells, trace_as_it_is
 from ropefric.traces.readers.profile import Channel, ImportProfile, channel_value
 from ropefric.trials.campaign import TEMPLATES, examine_campaign, template_texts
 from ropefric.trials.cells import read_cells, word_of
@@ -230,10 +230,10 @@ class Draft:
         if self._seen is None or self._seen.found is None:
             raise InputError("no recording is read yet", fix="look at the recordings first")
         row = dict(zip(self._seen.header, self._seen.rows[number], strict=True))
-        profile, signals = as_signals(self._seen.found.profile)
+        profile = self._seen.found.profile
         raws = read_recordings(self._seen.folder / row["file"], profile, shown_as=row["file"])
         raw = next((one for one in raws if one.sample == row.get("sample", one.sample)), raws[0])
-        trace = trace_as_it_is(raw, profile)
+        trace, signals = trace_as_it_is(raw, profile), signals_of_cells(raw, profile)
         tree: dict[str, Any] = {"file": row["file"], "units": {}, "curves": {}}
         for name, force_N in (("force", trace.force_N), ("end_tension", trace.end_tension_N)):
             if force_N is not None:

@@ -76,7 +76,7 @@ class ForceEvent:
     time_s, force_N : float
         When the force was highest [s], and how high [N].
     drop_N, fall_s : float
-        How far it fell [N] and how long that took [s].
+        How far it fell [N] and how long that took [s]; NaN of a candidate that was not measured.
     evidence : str
         Of a candidate, in words: what it hangs on, as whether a drift is taken off.
     probability : float
@@ -86,8 +86,8 @@ class ForceEvent:
     kind: str
     time_s: float
     force_N: float
-    drop_N: float
-    fall_s: float
+    drop_N: float = nan
+    fall_s: float = nan
     evidence: str = ""
     probability: float = nan
 

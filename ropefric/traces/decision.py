@@ -26,7 +26,6 @@ from ropefric.traces.segments import (
     TINY,
     Prepared,
     half_climb,
-    phases_of,
     prepare,
     sliding_after,
     wanted,
@@ -115,8 +114,9 @@ def usable(trace: ForceTrace, settings: PickSettings) -> Prepared | Breakaway:
             f"{trace.force_N.size} samples, {n} of them usable{inside}; at least {MIN_SAMPLES} are needed"
         )
         return Breakaway(status=Status.TOO_SHORT, detail=detail)
-    is_seen = settings.pick_s is not None
-    if not is_seen and (said := incoherence(trace.time_s[part][present], trace.force_N[part][present])):
+    if settings.pick_s is None and (
+        said := incoherence(trace.time_s[part][present], trace.force_N[part][present])
+    ):
         return without_force(Status.DOUBTFUL, said, prepared)
     return prepared
 
@@ -177,18 +177,18 @@ def _highest(prepared: Prepared, settings: PickSettings) -> Breakaway:
     if not fallen.size:
         return without_force(Status.NO_BREAKAWAY, f"the mean never falls by {fall_N:.4g} N", prepared)
     top = int(np.argmax(mean_N[: fallen[0]]))
-    drop_N, std_N = float(mean_N[top] - mean_N[fallen[0] :].min()), prepared.noise_N / float(np.sqrt(n))
-    found = without_force(
-        Status.OK, "highest mean before the first fall", prepared, drop_N=drop_N, bias_N=0.0
-    )
-    peak_N, time_s = float(mean_N[top]), float(prepared.time_s[top])
-    return replace(
-        found,
-        peak_N=peak_N,
+    return Breakaway(
+        status=Status.OK,
+        detail="highest mean before the first fall",
+        peak_N=float(mean_N[top]),
         peak_raw_N=float(prepared.force_N[top]),
-        peak_time_s=time_s,
-        peak_std_N=std_N,
+        peak_time_s=float(prepared.time_s[top]),
+        peak_std_N=prepared.noise_N / float(np.sqrt(n)),
+        bias_N=0.0,
         window_s=n * step_s,
+        noise_std_N=prepared.noise_N,
+        drop_N=float(mean_N[top] - mean_N[fallen[0] :].min()),
+        notes=prepared.notes,
     )
 
 
@@ -355,16 +355,9 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
     """Return a doubtful result: several candidates, or a candidate and a reason, are possible."""
     time_s = prepared.blocks.time_s
     events = tuple(
-        ForceEvent(
-            kind="break-away",
-            time_s=float(time_s[one.block]),
-            force_N=one.force_N,
-            drop_N=nan,
-            fall_s=nan,
-            probability=one.probability,
-        )
-        for one in found.candidates
-        if one.probability >= SEEN
+        ForceEvent(kind="break-away", time_s=float(time_s[at]), force_N=force_N, probability=share)
+        for at, force_N, share, *_ in found.candidates
+        if share >= SEEN
     )
     said = [f"{event.force_N:.4g} N at {event.time_s:.4g} s ({event.probability:.2f})" for event in events]
     damaged = Status.DOUBTFUL
@@ -406,15 +399,7 @@ def measured(
     sliding = None if rests is None else sliding_after(prepared, block, fallen, rests)
     if sliding is None:
         fallen = min(block + 2, force_N.size - 1)
-    result = peak_result(
-        prepared,
-        settings,
-        climb=half_climb(force_N, block, start),
-        block=block,
-        fallen=fallen,
-        sliding=sliding,
-        phases=phases_of(prepared, block, sliding),
-    )
+    result = peak_result(prepared, settings, block, start=start, fallen=fallen, sliding=sliding)
     if sliding is None:
         return result
     teeth = teeth_of(force_N[block : sliding.stop + 1], least_fall_N(prepared, settings)) + block

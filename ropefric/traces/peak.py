@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
-from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.segments import TINY, Prepared, Sliding, kinetic
+from ropefric.traces.segments import TINY, Prepared, Sliding, half_climb, kinetic, phases_of
 from ropefric.traces.smoothing import average_over_samples, window_samples
 
 LONGEST_WINDOW_S = 0.02
@@ -45,31 +45,28 @@ _STD_OF_MAXIMUM = (0.443, 0.496, 0.577, 0.684, 0.771, 0.845, 0.906, 0.946, 0.987
 
 
 class Neighbourhood(NamedTuple):
-    """Where a peak lies, in samples: where the climb begins, the peak itself up to `stop`, and where it has fallen."""
+    """Where a peak lies, in samples: where the climb begins, and from where up to `stop` the peak itself."""
 
     loading: int
     first: int
     stop: int
-    fallen: int
 
 
 def peak_result(
     prepared: Prepared,
     settings: PickSettings,
-    *,
-    climb: int,
     block: int,
+    *,
+    start: int,
     fallen: int,
     sliding: Sliding | None,
-    phases: tuple[Phase, ...],
 ) -> Breakaway:
-    """Return the result `ok` for the peak at a block, with what was met on the way."""
+    """Return the result `ok` for the peak at a block whose climb begins after a start, with what was met on the way."""
     blocks, n = prepared.blocks, prepared.force_N.size
     where = Neighbourhood(
-        loading=blocks.first_sample(climb),
+        loading=blocks.first_sample(half_climb(blocks.force_N, block, start)),
         first=blocks.first_sample(block - 1),
         stop=blocks.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
-        fallen=blocks.last_sample(fallen, n),
     )
     peak = measure_peak(
         prepared.time_s,
@@ -80,6 +77,7 @@ def peak_result(
         n_rest=blocks.n_rest,
     )
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    phases = phases_of(prepared, block, sliding)
     trough_N = float(blocks.force_N[block : fallen + 2].min()) if sliding else nan
     block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]
@@ -112,11 +110,6 @@ def peak_result(
     )
 
 
-def early_s(peak: Breakaway) -> float:
-    """Return by how long the highest of noisy samples may lie before the top of a climb [s]."""
-    return min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
-
-
 def gap_beside(time_s: FloatArray, peak: Breakaway, first: int | None = None) -> tuple[float, int]:
     """Return the length of a gap in the samples next to a peak or the end of its window [s], and the sample before it.
 
@@ -124,7 +117,8 @@ def gap_beside(time_s: FloatArray, peak: Breakaway, first: int | None = None) ->
     """
     index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
-    half = round((0.5 * peak.window_s + early_s(peak)) / max(usual_s, TINY))
+    early_s = min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
+    half = round((0.5 * peak.window_s + early_s) / max(usual_s, TINY))
     first = min(max(0, index - 2), index if first is None else first)
     steps_s = np.diff(time_s[first : index + half + 4], append=-np.inf)
     at = int(np.argmax(steps_s))

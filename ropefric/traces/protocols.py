@@ -197,7 +197,7 @@ NOISE_SIGMAS = 6.0
 
 
 def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
-    """Return the highest steady force and the steady one after it, as one trial."""
+    """Return the highest steady force and the lowest steady one after it, as one trial."""
     prepared = usable(trace, settings)
     if isinstance(prepared, Breakaway):
         return (prepared,)
@@ -211,9 +211,10 @@ def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, 
         means = [float(_inner(force_N, level).mean()) for level in levels]
         high = int(np.argmax(means)) if means else 0
         if high + 1 < len(levels):
-            ratio, fall_N = means[high] / means[high + 1], means[high] - means[high + 1]
+            low = high + 1 + int(np.argmin(means[high + 1 :]))  # a rope that stops in between holds more
+            ratio, fall_N = means[high] / means[low], means[high] - means[low]
             if fall_N > 0.5 * band_N and ratio > best * (BETTER if pair else 1.0):
-                best, pair = ratio, (levels[high], levels[high + 1])
+                best, pair = ratio, (levels[high], levels[low])
     if pair is None:
         detail = "no steady force of raising with a lower steady force of lowering after it was found"
         return (without_force(Status.NO_BREAKAWAY, detail, prepared),)

@@ -74,7 +74,7 @@ def _why_unknown(unit: str, error: InputError, *, is_stated: bool) -> tuple[str,
 
 
 def _no_scale(channel: str, reason: str, hint: str, example: str, path: str) -> DataError:
-    fix = f"{hint}, for example {channel} = {{ column = 1, {example} }}"
+    fix = f"{hint}, for example {channel} = {{ column = …, {example} }}"
     return DataError(reason, code="RF106", path=path, key=f"[import.channels] {channel}", fix=fix)
 
 
@@ -219,9 +219,8 @@ def held_readings(values: FloatArray) -> tuple[IntArray, float]:
     numbers = np.maximum(np.rint(np.diff(bounds) / period).astype(np.int64), 1)
     rank = np.arange(numbers.sum()) - np.repeat(np.cumsum(numbers) - numbers, numbers)
     later = np.repeat(starts, numbers) + np.rint(rank * period).astype(np.int64)
-    first = np.arange(starts[0] - period, -0.5, -period)[
-        ::-1
-    ]  # of readings that began before the recording, none
+    # Of readings that began before the recording, none.
+    first = np.arange(starts[0] - period, -0.5, -period)[::-1]
     kept = np.append(np.rint(first).astype(np.int64), later[later < values.size])
     return kept if kept.size and kept[0] >= 0 else later, period
 

@@ -51,10 +51,10 @@ class Rest(NamedTuple):
 def with_its_zero(
     trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
 ) -> Breakaway:
-    """Return a result corrected for the zero that the rope at rest shows: level, drift and jump."""
+    """Return a result corrected for the zero that the rope at rest shows: drift, jump and, without a tare, level."""
     if result.status is not Status.OK or (result.peak_N <= TINY and settings.rest != "zero"):
         return result
-    blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
+    blocks, is_tared = prepared.blocks, trace.tare_N != 0.0 or settings.rest == "pretension"
     if settings.rest == "zero" and not is_tared and _begins_loaded(blocks, result):
         return _either(result, "the recording begins under load: it shows no zero to subtract")
     rests, later = _before_and_after(blocks, result)
@@ -441,8 +441,7 @@ def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breaka
     """Return a doubtful result with several possible forces at one place, each with the assumption behind it."""
     events = tuple(
         ForceEvent(
-            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, fall_s=math.nan,
-            evidence=evidence,
+            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, evidence=evidence
         )
         for evidence, force_N in forces_N.items()
     )  # fmt: skip

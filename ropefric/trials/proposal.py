@@ -119,7 +119,7 @@ def _samples_of(
     unread = []
     for why, some in wrong.items():
         shown = ", ".join(some[:_SHOWN]) + (", …" if len(some) > _SHOWN else "")
-        unread.append(f"{counted(len(some), 'file')} of {len(paths)} not read so: {shown}: {why}")
+        unread.append(f"{counted(len(some), 'file')} of {len(paths)} not read with it: {shown}: {why}")
     return samples, unread
 
 

@@ -331,7 +331,7 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
         trials=tuple(trial.trial for trial in trials),
         of_kept=_of_kept([trial for trial in usable if trial.trial not in rejected]),
     )
-    problems = (*series.problems, *_not_as_hung(measured))
+    problems = (*series.problems, *_not_as_hung(measured), *_implausible(usable))
     return summary, (replace(one, message=f"{_settings_of(first)}: {one.message}") for one in problems)
 
 
@@ -344,6 +344,9 @@ def _settings_of(trial: TrialResult) -> str:
 
 FEWEST, LEAST_STD = 6, 0.02
 """Trials that say what a force at rest is; the smallest standard error of the power of F_B."""
+MU = 0.01, 3.0
+"""Smallest and largest coefficient of ropes and belts, those in a groove included."""
+CHECK_UNITS = "check the units of the wrap angle, the end tension and the force"
 UNSTATED = 0.02
 """How far a measured end tension may be from what was hung, as a part of it, unless both are stated."""
 
@@ -362,6 +365,14 @@ def _not_as_hung(trials: Sequence[TrialResult]) -> Iterator[Problem]:
         message = f"the end tension measured is {measured_N:.4g} N, the weight of the list {hung_N:.4g} N"
         fix = "check the zero and the unit of the channel, the weight, and what the rope itself weighs"
         yield Problem(code="RF243", message=message, key="end_tension", fix=fix, severity="warning")
+
+
+def _implausible(trials: Sequence[TrialResult]) -> Iterator[Problem]:
+    """Yield that no rope has the coefficient of a condition: a unit is wrong, or columns are swapped."""
+    mu = _mean([abs(one.mu) for one in trials])
+    if not (math.isnan(mu) or MU[0] <= mu <= MU[1]):
+        message = f"the apparent coefficient ln(F_A/F_B)/φ is {mu:.2g}, outside {MU[0]:g} to {MU[1]:g}"
+        yield Problem(code="RF140", message=message, fix=CHECK_UNITS, severity="warning")
 
 
 def _meaning_of_rest(trials: Sequence[TrialResult]) -> Iterator[Problem]:

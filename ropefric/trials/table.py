@@ -19,7 +19,7 @@ from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials import cells, numbers
 from ropefric.trials.cells import QUANTITIES
-from ropefric.trials.result import Extraction, stems
+from ropefric.trials.result import CHECK_UNITS, MU, Extraction, stems
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -359,7 +359,8 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     given = zip(map(from_spreadsheet, rows.words("trial")), table.rows, strict=True)
     trial = tuple(name or f"row-{line}" for name, (line, _) in given)
     twice = (*_names_twice(table, trial), *_rows_twice(table, rows.numbers, kept))
-    every = (*problems, *found, *rows.problems(), *twice, *_cut_off(table), *_too_few(table, kept, status))
+    doubts = (*twice, *_implausible(table, rows.numbers, kept))
+    every = (*problems, *found, *rows.problems(), *doubts, *_cut_off(table), *_too_few(table, kept, status))
     raise_problems(every)
     stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
     labels = _filled({name: rows.words_at(stems[name]) for name in LABELS if name in stems})
@@ -467,6 +468,22 @@ def _rows_twice(
         message = f"{rows} with all numbers of an earlier one, the first here"
         fix = "remove what was pasted twice: it would count as a repeat"
         yield table.problem(table.rows[int(again[0])][0], "", "RF122", message, fix, warning=True)
+
+
+def _implausible(
+    table: cells.CellTable, numbers: Mapping[str, FloatArray], kept: BoolArray
+) -> Iterator[Problem]:
+    """Yield a warning for rows whose coefficient no rope has: a unit is wrong, or columns are swapped."""
+    with np.errstate(all="ignore"):
+        mu = np.log(numbers["peak_N"] / numbers["end_tension_N"]) / numbers["wrap_angle_rad"]
+    usable = kept & np.isfinite(mu)
+    # A single one may be low by scatter.
+    is_low = usable.any() and float(np.median(np.abs(mu[usable]))) < MU[0]
+    odd = np.flatnonzero(usable & ((mu > MU[1]) | is_low))
+    if odd.size:
+        outside = f"with an apparent coefficient outside {MU[0]:g} to {MU[1]:g}"
+        message = f"{counted(odd.size, 'row')} {outside}, the first here: {mu[odd[0]]:.2g}"
+        yield table.problem(table.rows[int(odd[0])][0], "", "RF140", message, CHECK_UNITS, warning=True)
 
 
 def _cut_off(table: cells.CellTable) -> Iterator[Problem]:

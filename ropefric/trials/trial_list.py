@@ -16,6 +16,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
 from ropefric.files.disk import kind_of_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.files.toml_edit import toml_key
 from ropefric.friction.condition import condition_groups
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -43,8 +44,8 @@ _MEANINGS = {
     **cells.POSITIVE,
     "file": "the recording it was made of",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
-    "cell": "a force cell, for its recording is in counts",
-    "end_cell": "the force cell of its slack side, which is in counts",
+    "cell": "a force cell, for its force is in counts, V or mV/V",
+    "end_cell": "the force cell of its slack side, whose signal is in counts, V or mV/V",
 }
 
 
@@ -214,7 +215,7 @@ def _check(row: _Row, campaign: CampaignFile, needed: Sequence[str], *, wrong_he
     row.need("file", "wrap_angle_rad", *needed)
     for name, known in _described(campaign).items():
         if (word := row.texts.get(name, "")) and word not in known:
-            fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
+            fix = f"describe it under [{name.removeprefix('end_')}s.{toml_key(word)}] in the campaign file"
             fix = did_you_mean(word[:80], known) if known else fix
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
     _check_wheel(row, campaign, wrong_header=wrong_header)
@@ -330,6 +331,9 @@ def _name(rows: Sequence[_Row]) -> None:
             row.say("trial", "RF122", message, "give every trial its own name, or leave the cell empty")
 
 
+MOST_TURNS = 20
+"""90 degrees that are taken for radians are 14 turns, 180 degrees 29."""
+
 # --- what is doubtful in a list without errors, or cannot be learned from it: said once for the whole list ---
 
 
@@ -344,7 +348,12 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
     """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
     warn = partial(Problem, path=path, severity="warning")
-    doubts = [*_doubts(trials, warn), *_nothing_hung(used, warn)]
+    doubts = [
+        warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
+        for trial in trials
+        for key, message, fix in _doubts_of(trial)
+    ]
+    doubts += _nothing_hung(used, warn)
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
         doubts += _few_repeats(used, warn)
     return tuple(sorted(doubts, key=lambda doubt: (doubt.line or 0, doubt.code, doubt.key)))
@@ -353,18 +362,12 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
 _Warn = Callable[..., Problem]
 
 
-def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    for trial in trials:
-        for key, message, fix in _doubts_of(trial):
-            yield warn(code="RF140", message=message, line=trial.line, key=key, fix=fix)
-
-
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
     """Yield column, warning and fix of a row."""
     wheel_m, rope_m = trial.wheel_radius_m, trial.rope_radius_m
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
-    if (turns := trial.wrap_angle_rad / math.tau) > 100:
+    if (turns := trial.wrap_angle_rad / math.tau) > MOST_TURNS:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from ropefric.errors import RopefricError
+from ropefric.errors import RopefricError, plugin_error
 from ropefric.executors import carried, usable_cores
 
 if TYPE_CHECKING:
@@ -241,7 +241,7 @@ def _serve(
                 connection.send((_NO_MEMORY, None))
                 return  # what memory is left is in pieces
             except Exception as error:  # noqa: BLE001  (it is raised where the work was asked for)
-                answer = (_RAISED, error)
+                answer = (_RAISED, plugin_error(error) or error)  # its traceback stays here
             connection.send(answer)
     except (EOFError, OSError):
         return

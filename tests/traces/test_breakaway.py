@@ -186,15 +186,6 @@ def test_a_small_level_at_rest_is_in_the_uncertainty_unless_it_is_said_what_it_i
     assert np.hypot(known, level_N / np.sqrt(3.0)) == pytest.approx(unknown, rel=0.02)
 
 
-def test_a_large_level_at_rest_is_said_to_count_as_a_pretension():
-    force = drawn((0.0, 20.0), (1.0, 20.0), *PULL[2:])
-    found = picked(force)
-    assert found.peak_N == pytest.approx(100.0, rel=0.005)
-    assert any("counts as a pretension" in note and 'rest = "zero"' in note for note in found.notes)
-    assert picked(force, ZERO).peak_N == pytest.approx(80.0, rel=0.005)
-    assert not any("pretension" in note for note in picked(force, PRETENSION).notes)
-
-
 @pytest.mark.parametrize("peak_N", [100.0, 10.0])
 def test_a_level_far_below_zero_is_that_of_a_machine_that_pushes_or_an_error_of_the_zero(peak_N):
     """Which of them the recording does not show; a person may say it."""

@@ -39,7 +39,7 @@ def signal(rng, *, noise, rate=200.0, top_N=320.0, drop_N=50.0, drop_s=0.003):
     slip = top_N - drop_N * np.clip((time_s - corner_s) / drop_s, 0, 1)
     force_N = np.where(time_s <= corner_s, ramp, slip) + rng.normal(0, noise, time_s.size)
     corner = int(corner_s / STEP_S)
-    where = Neighbourhood(loading=corner - 1500, first=corner - 30, stop=corner + 12, fallen=corner + 20)
+    where = Neighbourhood(loading=corner - 1500, first=corner - 30, stop=corner + 12)
     return time_s, force_N, where
 
 
@@ -81,6 +81,6 @@ def test_a_peak_narrower_than_the_window_is_not_smoothed_away():
     force_N = np.full(200, 9.0)
     force_N[:90] = 2.0
     force_N[90:94] = [5.0, 11.0, 17.0, 23.4]
-    where = Neighbourhood(loading=89, first=91, stop=95, fallen=95)
+    where = Neighbourhood(loading=89, first=91, stop=95)
     peak = measure_peak(time_s, force_N, where, noise_std_N=0.2)
     assert peak.peak_N == 23.4

@@ -1,11 +1,16 @@
 """The zero of a recording stays, drifts or jumps: forces drawn by hand whose truth is known, in white and slow noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drawn import PULL, TIME_S, drawn, hung, line, picked
 from scipy.signal import lfilter
 
 from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.calibration import Calibration, ForceCell
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import _alike, _parted
 
 LONG, BRIEF = 1.0, 0.3
@@ -136,11 +141,25 @@ def test_a_level_is_an_error_of_the_zero_or_a_pretension(level_N):
     else:
         assert is_right(found, 100.0 + (level_N if level_N > 12.0 else 0.0))
         assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N or level_N > 12.0
-        assert level_N != -3.0 or "less than nothing: taken off" in " ".join(found.notes)
+        said = {
+            -3.0: "less than nothing: taken off",
+            20.0: "as a pretension: if that is an error of the zero, set",
+        }
+        assert said.get(level_N, "") in " ".join(found.notes)
     for rest, true_N in ((ZERO, 100.0), (PRETENSION, 100.0 + level_N)):
         assert picked(force_N, rest).peak_N == pytest.approx(true_N, abs=0.6)
     begins = picked(drawn(*PULL)[1800:], ZERO, TIME_S[1800:])
     assert "begins under load" in begins.detail
+
+
+def test_a_calibrated_force_is_asked_of_its_zero_like_any_other_unless_it_was_tared():
+    made = ForceTrace(time_s=TIME_S, force_N=pulled() + 6.0 + noise(6))
+    cell = Calibration(cell=ForceCell(name="K1", full_scale_N=1000.0, rated_output=0.002))
+    for calibration in (None, cell):
+        trace = replace(made, calibration=calibration)
+        names(pick_breakaway(trace, PickSettings())[0], 106.0, 100.0)
+        assert pick_breakaway(trace, ZERO)[0].peak_N == pytest.approx(100.0, abs=0.6)
+        assert pick_breakaway(replace(trace, tare_N=2.0), PickSettings())[0].status is Status.OK
 
 
 def test_a_rest_that_reads_less_than_nothing_after_a_load_is_in_doubt():

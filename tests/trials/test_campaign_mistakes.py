@@ -108,6 +108,7 @@ SYNTAX = {"no quotes": ('"9.8 mm"', "9.8 mm", "something follows the value", 'wr
     "no equals sign": ('diameter = "9.8 mm"', "diameter", "no '='", "key ="),
     "key twice": ('diameter = "9.8 mm"', 'diameter = "9.8 mm"\ndiameter = "9 mm"', "given a second time",
     "remove one"), "table twice": ("[adc]", "[rope]", "given a second time", "one heading"),
+    "table with a blank": ("[adc]", "[wheels.my wheel]", "is not closed", 'in quotes: [wheels."my wheel"]'),
     "open quote": ('"9.8 mm"', '"9.8 mm', "a quote is not closed", "close the quote"),
     "backslash": ('"recordings"', '"C:\\lab"', "backslash", "/")}  # fmt: skip
 

@@ -57,6 +57,16 @@ def test_the_paper_s_series_loses_its_one_outlier_unless_the_rule_is_none():
     assert summarise_conditions([], "two-sigma") == ((), (), ())
 
 
+def test_a_coefficient_that_no_rope_has_is_told_whichever_unit_is_wrong():
+    right = {"wrap_rad": 3.0 * math.pi, "end_N": 60.0}
+    for wrong, mu in (({}, ""), ({"wrap_rad": math.radians(9.42)}, "6.8"), ({"wrap_rad": 540.0}, "0.0021"),
+            ({"end_N": 6e-12}, "3.3")):  # fmt: skip
+        _, _, problems = summarise_conditions(series([184.0] * 6, **(right | wrong)), "none")
+        assert [(one.code, f"is {mu}, outside" in one.message) for one in problems] == [
+            ("RF140", True)
+        ] * bool(mu)
+
+
 def test_unusable_and_excluded_trials_are_listed_but_not_counted():
     spoilt = trial("spoilt")
     excluded = trial("excluded", 999.0, excluded="rope jumped")

@@ -84,11 +84,3 @@ def test_a_reversed_force_is_read_and_told(lab, good, settings):
     (problem,) = [one for one in extraction.problems if one.code == "RF241"]
     assert problem.path == "b.csv"
     assert 'force = "-force"' in problem.fix
-
-
-def test_other_low_forces_are_not_turned_round(lab, good):
-    """Those of a zero that is off, and of a rope pulled from a load down to less."""
-    (lab.folder / "a.csv").write_text(with_force(good, lambda i, f: f"{float(f) - 500:.4f}"))
-    (lab.folder / "b.csv").write_text(with_force(good, lambda i, f: f"{300 - max(float(f), 0):.4f}"))
-    extraction = lab.write([lab.row("a.csv"), lab.row("b.csv")]).extract()
-    assert "RF241" not in {one.code for one in extraction.problems}

@@ -14,7 +14,7 @@ MISTAKES = {
     "knots": ("end_tension_N", "end_tension (kn)", "RF130", 1, "end_tension (kn)", "knot", "'kN'"),
     "column twice": ("note", "wrap_turns", "RF122", 1, "wrap_turns", "same as 'wrap_angle_deg'", "remove one"),
     "no file column": ("file", "_file", "RF121", 1, "file", "no column file", "add the column file"),
-    "no cell column": ("cell", "_cell", "RF121", 1, "cell", "recording is in counts", "add the column cell"),
+    "no cell column": ("cell", "_cell", "RF121", 1, "cell", "force is in counts", "add the column cell"),
     "empty file": ("b.csv", "", "RF121", 3, "file", "file is empty", "fill"),
     "empty wrap": (",180,", ",,", "RF121", 2, "wrap_angle_deg", "wrap_angle_deg is empty; every trial needs a wrap angle", "fill"),
     "empty wheel": ("W40", "", "RF121", 2, "wheel_radius_mm", "every trial needs a wheel radius", "fill"),
@@ -128,12 +128,14 @@ def test_a_list_without_wheels_table(bench):
     bench.spoil(r"^\[wheels.*\n(.+\n)+?(?=\n|\[)", "", pattern=True)
     fixes = {p.fix for p in bench.errors()}
     assert "describe it under [wheels.W40] in the campaign file" in fixes
+    head = "file,wheel,wrap_angle_deg,end_tension_N,cell\n"
+    bench.write(trials=head + "a.csv,Rad A,180,80,K1\n")
+    assert bench.only().fix == 'describe it under [wheels."Rad A"] in the campaign file'
 
 
 DOUBTS = {
     "radius in metres": ("wheel_radius_mm", "wheel_radius_m", "wheel_radius", "35 m is outside 1 mm to 10 m"),
-    "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
-    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "turns is probably in another unit"),
+    "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", "wrap_angle", "turns is probably in another unit"),
     "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
     "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
 }  # fmt: skip

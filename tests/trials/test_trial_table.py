@@ -58,6 +58,14 @@ def test_dialects_read_alike(read):
         assert table.group().tolist() == [0, 0, 1], lines
 
 
+def test_rows_whose_coefficient_no_rope_has_are_told(read):
+    assert read(HEADER, *ROWS).warnings == ()
+    (low,) = read(HEADER.replace("angle_deg", "angle_rad"), *ROWS).warnings
+    assert (low.code, low.line, low.message.partition(" ")[0]) == ("RF140", 2, "3")
+    (odd,) = read(HEADER, *ROWS, "d,40,9.8,9.42,80,300").warnings
+    assert (odd.code, odd.line, odd.message[-3:]) == ("RF140", 5, ": 8")
+
+
 def test_missing_column_names_it_and_one_to_add(read):
     found = problems(
         read, "wheel_radius_mm,wrap_angle_deg,end_tension_N,peak_N", "40,540,80,300", "40,540,80,310"

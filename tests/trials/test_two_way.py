@@ -17,9 +17,19 @@ PROTOCOL = '[protocol]\nname = "two-way"\n'
 
 
 def recording(
-    mu, wrap_rad, *, seed=0, weight_N=WEIGHT_N, teeth=0.0, drift=0.0, noise_N=0.1, scale=1.0, hung=False
+    mu,
+    wrap_rad,
+    *,
+    seed=0,
+    weight_N=WEIGHT_N,
+    teeth=0.0,
+    drift=0.0,
+    noise_N=0.1,
+    scale=1.0,
+    hung=False,
+    stop_s=0.0,
 ):
-    """Idle, a ramp and a static peak, raising for 2 s, a reversal, lowering for 2 s, let down."""
+    """Idle, a ramp and a static peak, raising for 2 s, a reversal, perhaps with a stop, lowering for 2 s, let down."""
     rng = np.random.default_rng(seed)
     time_s = np.arange(6000) / 1000
     high_N, low_N = weight_N * math.exp(mu * wrap_rad), weight_N * math.exp(-mu * wrap_rad)
@@ -29,7 +39,9 @@ def recording(
     force_N = np.interp(time_s, [*knots, 5.4], [*knots.values(), first_N])
     moving = (time_s > 1.01) & (time_s < 3.0) | (time_s > 3.3) & (time_s < 5.3)
     force_N += moving * teeth * force_N * ((time_s / 0.1) % 1.0 - 0.5)
-    return time_s, scale * (force_N + noise_N * rng.standard_normal(time_s.size))
+    at = np.searchsorted(time_s, 3.15)
+    force_N = np.insert(force_N, at, np.full(round(1000 * stop_s), force_N[at]))
+    return np.arange(force_N.size) / 1000, scale * (force_N + noise_N * rng.standard_normal(force_N.size))
 
 
 def pick(*args, **kwargs):
@@ -42,7 +54,7 @@ def coefficient(found, wrap_rad):
     return math.log(found.peak_N / found.trough_N) / (2 * wrap_rad)
 
 
-WAYS = [{"teeth": 0.1}, {"drift": 0.005}, {"scale": 1.1}, {"hung": True}, {"noise_N": 0.5}]
+WAYS = [{"teeth": 0.1}, {"drift": 0.005}, {"scale": 1.1}, {"hung": True}, {"noise_N": 0.5}, {"stop_s": 1.5}]
 CASES = [*product((math.pi / 2, math.pi, 2 * math.pi), (0.05, 0.15, 0.3), [{}])]
 CASES += [(wrap_rad, mu, how) for how in WAYS for wrap_rad, mu in ((math.pi / 2, 0.05), (2 * math.pi, 0.3))]
 

@@ -103,10 +103,6 @@ def _breaks_off(rows: Sequence[Sequence[str]]) -> bool:
     return 0 < len(rows[0][-1]) < len(rows[1][-1])
 
 
-def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    return (text_table(*open_text(source, profile)),)
-
-
 def text_table(
     text: Text, dialect: Dialect, names: tuple[str, ...] = (), *, expected: str = "", block_columns: int = 0
 ) -> Table:
@@ -362,5 +358,5 @@ DELIMITED = Reader(
         f".{kind}{gz}" for gz in ("", ".gz") for kind in ("csv", "txt", "tsv", "dat", "asc", "lvm")
     ),
     description="text with columns: CSV, TAB, semicolon or blanks; plain or gzip",
-    tables=_delimited_tables,
+    tables=lambda source, profile: (text_table(*open_text(source, profile)),),
 )

@@ -27,6 +27,8 @@ _MOST_LABELS, _FEWEST_ROWS = 64, 10
 _SEEN_BYTES = 8 * 2**20
 """Several recordings are looked for in this much of a text."""
 _LONGEST_S = 4 * 3600.0
+_DAYS = (3e4, 1e6)
+"""Days of our time, as spreadsheets count them from 1900 on, others from the year 0."""
 _EVEN = 0.1
 """How far the steps of a time of any name may be from their median [-]."""
 _SET_VALUES = re.compile(r"(?:^|[\s_./])(?:set|goal|target|soll|nominal|preload|vorlast|command|cmd|limit)")
@@ -273,7 +275,11 @@ def _with_time(
     if table.facts.rate_Hz:
         doubts.append(f"the sampling rate, {table.facts.rate_Hz:g} Hz, is that of the head of the file")
         return channels, table.facts.rate_Hz
-    doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
+    rate = 'set [import] sampling_rate, for example "3 kHz"'
+    counter = next((i + 1 for i, array in enumerate(values) if array is not None and _counts(array)), 0)
+    named = f'time = {{ column = {counter}, unit = "ms" }}'
+    of_counter = f"column {counter} counts the rows: {rate}; or, if it is a time, {named}"
+    doubts.append(of_counter if counter else f"no column looks like the time; {rate}")
     return channels, None
 
 
@@ -308,9 +314,13 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
 def _may_be_time(rising: FloatArray, name: str) -> bool:
     """Return whether a rising column may be the time: it counts no rows, and rises evenly where it has another name."""
     steps = np.diff(rising)
-    is_counter = (rising == np.floor(rising)).all() and steps.min() == steps.max()
     is_even = (np.abs(steps - np.median(steps)) <= _EVEN * np.median(steps)).all()
-    return not is_counter and bool(is_even or not name)
+    return not _counts(rising) and bool(is_even or not name)
+
+
+def _counts(values: FloatArray) -> bool:
+    """Return whether a column counts its rows, as a record number, or a time in the unit of its step."""
+    return bool(values.size > 1 and (np.diff(values) == 1.0).all())
 
 
 def _side(name: str) -> str:
@@ -344,7 +354,7 @@ def _forces(
 
 
 def _free_columns(table: Table, values: Values, channels: Mapping[str, Channel]) -> list[int]:
-    """Return the columns of numbers that no channel has, those that change if any do.
+    """Return the columns of numbers that no channel has, those that change, and do not count rows, if any do.
 
     A gauge writes its peak and its limits beside every reading, a machine the force that it is set to.
     """
@@ -353,7 +363,9 @@ def _free_columns(table: Table, values: Values, channels: Mapping[str, Channel])
     lively = [
         i for i, some in columns.items() if np.nanmax(some, initial=-np.inf) > np.nanmin(some, initial=np.inf)
     ]
-    measured = [i for i in lively if not _SET_VALUES.search(table.names[i].strip().lower())]
+    measured = [
+        i for i in lively if not (_SET_VALUES.search(table.names[i].strip().lower()) or _counts(columns[i]))
+    ]
     return measured or lively or [*columns]
 
 
@@ -434,18 +446,22 @@ def _doubts_of(name: str, unit: str, channel: Channel) -> Iterator[str]:
     if not unit:
         yield f'the unit of the {name} is not stated; add it, for example unit = "N"'
     elif signal_unit(name, unit) and not channel.sensitivity:
-        how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
-        yield f"the {name} is in {unit}; add {how} to its channel, or name a force cell in the list of trials"
+        how = f'add sensitivity = "25 N/{unit}" to its channel, or name a force cell in the list of trials'
+        if "/" in unit:
+            how = 'name a force cell with rated_output = "2 mV/V" in the list of trials'
+        yield f"the {name} is in {unit}; {how}"
     elif not is_of(name, unit):
         yield f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]"
 
 
 def _assumed_unit(present: FloatArray, doubts: list[str]) -> str:
-    """Return the unit that makes a recording of a time: loggers write whole milliseconds, parts of seconds."""
+    """Return the unit that makes a recording of a time: loggers write whole milliseconds, parts of seconds or days."""
     span, step = float(present[-1] - present[0]), float(np.median(np.diff(present)))
     units = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
     if (present == np.floor(present)).all():
         units.pop("s")
+    elif _DAYS[0] < present[0] < _DAYS[1]:
+        units = {"d": 86400.0, **units}
     fitting = (
         name for name, second_s in units.items() if span * second_s <= _LONGEST_S and step * second_s < 2.0
     )

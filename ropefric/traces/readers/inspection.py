@@ -21,7 +21,7 @@ from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording, profile_to_toml
 from ropefric.traces.readers.table import Table, WordError
-from ropefric.traces.signals import FORCES, si_scale, signal_unit
+from ropefric.traces.signals import si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
@@ -157,35 +157,30 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
 
 def _tried(found: Inspection, source: Source) -> Inspection:
     """Return an inspection with what its own profile reads of the file, or what stops it."""
-    profile, signals = as_signals(found.profile)
+    profile = found.profile
     try:
         raws = find_reader(source.path, profile, source).read(source, profile)
         traces = [trace_as_it_is(raw, profile) for raw in raws]
     except DataError as error:
         fix = f" ({error.fix})" if error.fix else ""
         return replace(found, stopped=f"{error.problem.message}{fix}")
+    signals = signals_of_cells(raws[0], profile)
     said = _summary_of(traces, signals.get("force", "N"))
     said += f"; not yet in newtons: {', '.join(signals)}" if signals else ""
     notes = dict.fromkeys(chain(found.notes, *(trace.notes for trace in traces)))
     return replace(found, read=said, notes=tuple(notes))
 
 
-def as_signals(profile: ImportProfile) -> tuple[ImportProfile, dict[str, str]]:
-    """Return a profile that reads forces of an unknown meaning in their own unit, and that unit by channel."""
-    signals = {
-        name: channel.unit
-        for name, channel in profile.channels.items()
-        if name in FORCES and not channel.sensitivity and signal_unit(name, channel.unit) == "V"
-    }
-    known = {
-        name: replace(profile.channels[name], sensitivity=f"1 N/{unit}") for name, unit in signals.items()
-    }
-    return replace(profile, channels={**profile.channels, **known}), signals
+def signals_of_cells(raw: RawRecording, profile: ImportProfile) -> dict[str, str]:
+    """Return the forces that only a cell turns into newtons, and their unit."""
+    has_own = {name for name, channel in profile.channels.items() if channel.sensitivity}
+    return {name: unit for name, unit in raw.units.items() if name not in has_own and signal_unit(name, unit)}
 
 
 def trace_as_it_is(raw: RawRecording, profile: ImportProfile) -> ForceTrace:
-    """Return the trace of a recording that is only looked at: nothing is tared, a count is a newton."""
-    return assemble_trace(raw, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS)
+    """Return the trace of a recording that is only looked at: nothing is tared, a count or a volt is a newton."""
+    seen = replace(raw, units={**raw.units, **dict.fromkeys(signals_of_cells(raw, profile), "N")})
+    return assemble_trace(seen, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS)
 
 
 def _summary_of(traces: Sequence[ForceTrace], unit: str) -> str:

@@ -293,7 +293,7 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     elif unit := unit_behind(cell):
         why, fix = f"it is in {unit}, other cells or the header are not", "write one unit, into the header"
     elif _GROUPS.fullmatch(cell):
-        mark = next(mark for mark in THOUSANDS if mark in cell)
+        mark = next(mark if mark.strip() else " " for mark in cell if mark in THOUSANDS)
         why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'
     elif cell.lower() in _NAMED_MISSING:
         why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'

@@ -130,16 +130,14 @@ def test_a_blank_line_in_a_single_column_may_be_a_sample(write):
     assert error.code == "RF103"
 
 
-def test_missing_values_become_nan(write):
+def test_missing_values_become_nan_and_a_number_can_mean_missing(write):
     path = write("time_s,force_N\n0,\n0.1,nan\n0.2,NaN\n0.3,-9999\n0.4, \n0.5,OVL\n0.6,7\n")
     force = columns(path, ImportProfile(missing=("-9999", "OVL")))["force"]
     assert np.isnan(force).tolist() == [True] * 6 + [False]
-
-
-def test_a_number_can_mean_missing(write):
     for cell, end in product(("-999", " -999", "-999.0"), ("", '0.3,"7"\n')):  # quotes are read the slow way
-        path = write(HEAD + f"0,1\n0.1,{cell}\n0.2,2\n" + end)
-        force = columns(path, ImportProfile(missing=("-999",)))["force"]
+        force = columns(write(HEAD + f"0,1\n0.1,{cell}\n0.2,2\n" + end), ImportProfile(missing=("-999",)))[
+            "force"
+        ]
         np.testing.assert_array_equal(force[:3], [1.0, np.nan, 2.0])
 
 
@@ -209,29 +207,29 @@ def test_a_file_without_permission(write):
     assert "permission" in str(refused(path)).lower()
 
 
-def test_a_wrong_encoding_is_told(write):
-    none = "no text encoding"
-    for encoding, words in (("utf-9", none), ("hex", none), ("ascii", "cannot be read as ascii")):
-        error = refused(write("Prüfung\n" + GOOD), ImportProfile(encoding=encoding))
-        assert error.code == "RF108"
-        assert words in str(error)
+PROFILES = (
+    ("RF108", "no text encoding", {"encoding": ("utf-9", "hex")}),
+    ("RF108", "cannot be read as ascii", {"encoding": ("ascii",)}),
+    ("RF101", "no data|last line", {"data_row": (500, 100000), "header_row": (500,), "units_row": (400,)}),
+    (
+        "",
+        "cannot be used",
+        {"separator": ("::", "5", "§"), "decimal": (";",), "header_row": (-2,), "data_row": (-1,)},
+    ),
+    ("", "did you mean 'delimited'", {"format": ("delimeted",)}),
+)
 
 
-def test_a_profile_that_contradicts_itself_is_told(write):
-    rows = ({"header_row": -2}, {"data_row": -1}, {"header_row": 3, "data_row": 2})
-    for change in ({"separator": "::"}, {"separator": "5"}, {"decimal": ";"}, {"separator": "§"}, *rows):
-        with pytest.raises(InputError, match="cannot be used"):
-            read_recordings(write(GOOD), ImportProfile(**change))
-
-
-def test_rows_beyond_the_file_are_told(write):
-    for change in ({"data_row": 500}, {"header_row": 500}, {"units_row": 400}, {"data_row": 100000}):
-        assert refused(write(GOOD), ImportProfile(**change)).code == "RF101"
-
-
-def test_an_unknown_format_is_told(write):
-    with pytest.raises(UnknownNameError, match="did you mean 'delimited'"):
-        read_recordings(write(GOOD), ImportProfile(format="delimeted"))
+def test_a_profile_that_fits_no_file_or_contradicts_itself_is_told(write):
+    path = write("Prüfung\n" + GOOD)
+    for code, words, changes in PROFILES:
+        for key, value in ((key, value) for key, values in changes.items() for value in values):
+            kind = DataError if code else (InputError, UnknownNameError)
+            with pytest.raises(kind, match=words) as caught:
+                read_recordings(path, ImportProfile(**{key: value}))
+            assert not code or caught.value.code == code, (key, value)
+    with pytest.raises(InputError, match="cannot be used"):
+        read_recordings(path, ImportProfile(header_row=3, data_row=2))
 
 
 def test_data_far_down_a_file_are_found_by_the_profile(write):

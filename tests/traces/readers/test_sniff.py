@@ -3,6 +3,7 @@
 import json
 import tomllib
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -43,6 +44,40 @@ def test_a_profile_may_name_columns_without_their_units(write):
     known = ImportProfile(channels={"time": Channel(column="t"), "force": Channel(column="F")})
     found = inspect_file(path, known)
     assert (found.sampling_rate_Hz, found.doubts, found.stopped) == (100, (), "")
+
+
+def test_whole_steps_without_a_name_are_a_time_but_a_count_is_neither_time_nor_force(write):
+    found = inspect_file(write("".join(f"{5 * i} {i % 7}\n" for i in range(60))))
+    assert found.profile.channels == {"time": Channel(column=1, unit="ms"), "force": Channel(column=2)}
+    assert found.sampling_rate_Hz == 200
+    found = inspect_file(write("".join(f"{i} {i % 7}\n" for i in range(60))))
+    assert found.profile.channels == {"force": Channel(column=2)}
+    assert any('or, if it is a time, time = { column = 1, unit = "ms" }' in doubt for doubt in found.doubts)
+
+
+def test_days_of_a_spreadsheet_and_units_behind_every_number(write):
+    found = inspect_file(write("Date,Load (N)\n" + "".join(f"{45000 + i / 86400},{i}\n" for i in range(60))))
+    assert (found.profile.channels["time"].unit, found.stopped) == ("d", "")
+    found = inspect_file(write("t;F\n" + "".join(f"{i / 10} s;{i % 7} N\n" for i in range(60))))
+    assert found.read == "1 recording of 60 samples, 10 Hz, 0 to 6 N"
+
+
+@pytest.mark.parametrize("blank", [" ", "\u00a0", "\u202f"])
+def test_a_blank_between_thousands_is_any_blank(write, blank):
+    path = write("time_s;force_N\n" + "".join(f"{i};{i}{blank}016.9\n" for i in range(1, 40)))
+    found = inspect_file(path)
+    assert found.doubts[0].endswith('[import] thousands = " "')
+    assert (
+        inspect_file(path, ImportProfile(thousands=" ")).read
+        == "1 recording of 39 samples, 1 Hz, 1017 to 3.902e+04 N"
+    )
+
+
+def test_a_force_that_a_cell_is_to_make_newtons_of_is_read_in_its_own_unit(write):
+    for unit, advice in (("mV/V", 'rated_output = "2 mV/V"'), ("mV", 'sensitivity = "25 N/mV"')):
+        found = inspect_file(write(f"t_s,F [{unit}]\n" + "".join(f"{i},{i / 8}\n" for i in range(9))))
+        assert found.read.endswith(f"0 to 1 {unit}; not yet in newtons: force"), found.stopped
+        assert any(advice in doubt for doubt in found.doubts)
 
 
 def test_the_inspection_is_json(write):

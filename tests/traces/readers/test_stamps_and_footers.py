@@ -44,7 +44,7 @@ def test_a_time_stamp_that_is_none_is_told_by_its_line(write):
 
 
 def test_the_order_of_american_dates_is_stated(write):
-    path = write("time,force_N\n03/04/2024 10:00:00 AM,1\n03/04/2024 10:00:01 AM,2\n")
+    path = write("time,force_N\n03/04/2024 11:59:59 PM,1\n03/05/2024 12:00:00 AM,2\n")
     assert "date_order" in refused(path).fix
     assert any("date_order" in doubt for doubt in inspect_file(path).doubts)
     assert read(path, date_order="mdy").time_s.tolist() == [0, 1]

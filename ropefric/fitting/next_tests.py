@@ -63,6 +63,7 @@ class PlannedLaw:
     common: tuple[CommonError, ...] = ()
     chain: str = ""
     levels: tuple[LevelScatter, ...] = ()
+    own_mu_std: float = 0.0  # of μ relative to itself, where each condition has a rope of its own
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -86,7 +87,7 @@ class PlannedLaw:
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
         for group in self.levels:
             named |= group.effects
-        own2 = self.scatter.variance(self.tested_repeats)
+        own2 = self._own_variance(self.tested, self.tested_repeats)
         if any(group.name == CONDITION for group in self.levels):
             own2 = own2 - self.scatter.between**2
         return self._evidence(self.tested, own2, named)
@@ -103,7 +104,12 @@ class PlannedLaw:
                 each = group.std * (log_lift - conditions.log_end_tension) / len(group.effects)
                 effects |= dict.fromkeys(group.effects, each)
         effects |= self._effects(conditions)
-        return self._evidence(conditions, self.scatter.variance(repeats), effects)
+        return self._evidence(conditions, self._own_variance(conditions, repeats), effects)
+
+    def _own_variance(self, at: Conditions, repeats: npt.ArrayLike) -> FloatArray:
+        """Return what no other mean shares of the variance of each, shape (n,)."""
+        rise = self.law.log_lift(self.theta, at) - at.log_end_tension
+        return self.scatter.variance(repeats) + (self.own_mu_std * rise) ** 2
 
     def _evidence(
         self, conditions: Conditions, own2: FloatArray, effects: Mapping[str, FloatArray]
@@ -150,7 +156,10 @@ def planned_fit(fit: FitResult, *, within: float | None = None, between: float |
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
     tested = Conditions(**{name: columns[name] for name in SETTINGS})
-    levels = _levels_of(fit, tested, scatter.between)
+    levels, model = _levels_of(fit, tested, scatter.between), fit.scatter
+    own = [
+        n == len(tested) and name in model.groups for name, n in zip(model.names, model.levels, strict=True)
+    ]
     notes += [
         f"new tests are taken to be pulled with the {len(one.effects)} {one.name}s of the trials in turn"
         for one in levels
@@ -166,6 +175,7 @@ def planned_fit(fit: FitResult, *, within: float | None = None, between: float |
         common=fit.common_errors,
         chain=_chain_of(fit),
         levels=levels,
+        own_mu_std=math.sqrt(np.maximum(model.variance, 0.0) @ own) if own else 0.0,
         notes=tuple(notes),
     )
 
@@ -182,8 +192,10 @@ def _levels_of(fit: FitResult, tested: Conditions, between: float) -> tuple[Leve
 
     found = [
         levels(name, math.sqrt(variance), float(2.0 * variance**2 / spread), model.labels[name], rise)
-        for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True)
-        if name in model.groups and variance > 0.0
+        for name, n_levels, variance, spread in zip(
+            model.names, model.levels, model.variance, np.diag(model.covariance), strict=True
+        )
+        if name in model.groups and variance > 0.0 and n_levels < len(tested)
     ]
     if between and 0 < n < rise.size:
         dof = float(n - fit.shown.sum())

@@ -188,12 +188,11 @@ _NOTHING = 1e-280
 
 
 class BatchFit(NamedTuple):
-    """Least-squares fits of m data sets: parameters (m, p), χ² and whether it is a minimum (m,), and steps taken."""
+    """Least-squares fits of m data sets: parameters (m, p), χ² and whether it is a minimum (m,)."""
 
     theta: FloatArray
     chi2: FloatArray
     converged: BoolArray
-    n_iterations: int
 
 
 def batched_fit(
@@ -238,10 +237,10 @@ def batched_fit(
             vary=free[rows], damping=damping,
         )  # fmt: skip
 
-    for taken in range(max_iterations):
+    for _ in range(max_iterations):
         rows = np.flatnonzero(alive)
         if not rows.size:
-            return BatchFit(theta, chi2, converged, taken)
+            break
         # The plain steps tell whether a search is done.
         step, length2 = proposed(rows, np.zeros(rows.size))
         enough2 = tolerance**2 * chi2[rows] / problem.n_points + _MODEL_ROUNDING**2 * signal[rows]
@@ -278,7 +277,7 @@ def batched_fit(
         theta[rows] = trial[better]
         for whole, part in zip(found, there, strict=True):
             whole[rows] = part[better]
-    return BatchFit(theta, chi2, converged, max_iterations)
+    return BatchFit(theta, chi2, converged)
 
 
 class _DataSets(NamedTuple):

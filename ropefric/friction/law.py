@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import SETTINGS, Conditions, as_floats
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.registry import did_you_mean
 
 Columns = tuple[FloatArray, ...]
@@ -282,8 +282,8 @@ class FrictionLaw:
     def log_lift_gradient_conditions(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂(R_w, φ, ln F_B), analytically.
 
-        Parameters and refusals are those of `log_lift`; ∂/∂φ does not exist where the local coefficient is
-        infinite.
+        Parameters and refusals are those of `log_lift`; ∂/∂φ is the local coefficient μ where the wrap ends, and does
+        not exist where that is infinite.
 
         Returns
         -------
@@ -292,26 +292,6 @@ class FrictionLaw:
         """
         slopes = self.physics.condition_slopes
         return self._table(theta, conditions, lambda columns: slopes(columns, conditions))
-
-    def local_mu(self, theta: npt.ArrayLike, wrap_rad: npt.ArrayLike, conditions: Conditions) -> FloatArray:
-        """Return the local coefficient μ(φ) = d ln F/dφ where the wrap ends after an angle from the slack end.
-
-        Parameters
-        ----------
-        theta : array_like, shape (p,) or (m, p)
-            Parameters.
-        wrap_rad : array_like, scalar or shape (n,)
-            Where on the wheel [rad], counted from where the rope with F_B touches; zero or more.
-        conditions : Conditions
-            n conditions; their wrap angles are not used.
-
-        Returns
-        -------
-        ndarray, shape (n,) or (m, n)
-            μ [-].
-        """
-        there = replace(conditions, wrap_angle_rad=as_floats("wrap_rad", wrap_rad))
-        return self.log_lift_gradient_conditions(theta, there)[..., 1]
 
     def average_mu(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return the average coefficient μ̄ = (ln F_A − ln F_B)/φ, eq. (2).

@@ -44,7 +44,7 @@ def test_many_sets_have_many_rows_and_the_same_rise_alone_or_with_slopes_also_at
             assert np.array_equal(together, alone), law.name
         assert law.log_lift(sets[0], plan).shape == (216,)
         assert law.jacobian(sets, plan).shape == (6, 216, p)
-        coefficients = law.local_mu(sets, plan.wrap_angle_rad, plan), law.average_mu(sets, plan)
+        coefficients = law.log_lift_gradient_conditions(sets, plan)[..., 1], law.average_mu(sets, plan)
         assert [one.shape for one in coefficients] == [(6, 216)] * 2
         assert law.admissible(sets, plan).all()
         assert law.validity(sets, plan) == ()
@@ -54,7 +54,7 @@ def test_the_local_coefficient_is_the_slope_of_ln_f_and_the_average_one_its_mean
     h = 1e-5
     for law in ALL_LAWS.values():
         theta = typical(law)
-        local = law.local_mu(theta, plan.wrap_angle_rad, varied(plan, wrap_angle_rad=1.0))
+        local = law.log_lift_gradient_conditions(theta, plan)[:, 1]
         beyond, before = (
             law.log_lift(theta, varied(plan, wrap_angle_rad=(1 + sign * h) * plan.wrap_angle_rad))
             for sign in (1, -1)

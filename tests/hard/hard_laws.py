@@ -349,10 +349,10 @@ def laws_answer_extremes_or_refuse():
                 continue
             at, bounds = one_condition(*settings), [(p.lower, p.upper, p.start) for p in law.parameters]
             theta = [[*b, rng.choice(EXTREMES), -rng.choice(EXTREMES)][rng.integers(5)] for b in bounds]
-            place, density, speed, force = rng.choice(EXTREMES, 4)
+            density, speed, force = rng.choice(EXTREMES, 3)
             calls = (partial(law.log_lift_and_jacobian, theta, at),
                      partial(law.log_lift_gradient_conditions, theta, at),
-                     partial(law.average_mu, theta, at), partial(law.local_mu, theta, place, at),
+                     partial(law.average_mu, theta, at),
                      partial(_log_lift_running, law, density, speed, theta, at),
                      partial(guess, law, at, [force]))  # fmt: skip
             answered += sum(answer(call) is not None for call in calls)

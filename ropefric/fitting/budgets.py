@@ -205,6 +205,10 @@ def state_lift(
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
     status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
+    if not has_interval(fit):
+        notes += (
+            "the fit gives no interval: of its parameters only the scatter of repeats is counted, as of 1 dof",
+        )
     if one_pull and math.isfinite(fit.scatter.tail_dof):
         notes += ("repeats have heavier tails than this budget assumes: use the interval of `predict`",)
     return state_uncertainty(model, status=status, notes=notes, **check)

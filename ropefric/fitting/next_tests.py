@@ -246,30 +246,29 @@ def allowed_conditions(
 class Outlook(NamedTuple):
     """How certain predictions are expected to be.
 
-    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, how many means there are beyond the
-    parameters, the degrees of freedom of each variance (t,), and the level of intervals.
+    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, the degrees of freedom of the
+    intervals (t,), 0 where no mean is left beyond the parameters, and the level of the intervals.
     """
 
     std_log: FloatArray
     shared_log: FloatArray
-    dof: int
-    effective_dof: FloatArray
+    dof: FloatArray
     level: float
 
     @property
     def half_width_log(self) -> FloatArray:
         """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom."""
-        if not self.dof:
-            return np.full_like(self.std_log, np.inf)
-        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in self.effective_dof.tolist()]
+        reach = [quantile(0.5 + 0.5 * self.level, nu) if nu else math.inf for nu in self.dof.tolist()]
+        return self.std_log * reach
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces."""
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        names, columns = ("std_log", "std_N", "interval_N"), (self.std_log, self.std_log * lift_N, ends_N.T)
-        return [dict(zip(names, row, strict=True)) | {"dof": self.dof} for row in zip(*columns, strict=True)]
+        columns = self.std_log, self.std_log * lift_N, ends_N.T, self.dof
+        names = ("std_log", "std_N", "interval_N", "dof")
+        return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -438,12 +437,13 @@ def plan_tests(
 def _outlook(planned: PlannedLaw, found: Evidence, along: FloatArray, level: float) -> Outlook:
     """Return how certain predictions with slopes `along` (t, q) are by some evidence."""
     total, parts = _variances(planned, found, along)
-    dof = max(len(found.rows) - planned.n_free, 0)
-    own = total - sum(parts.values(), np.zeros_like(total))
-    groups = [(parts[one.name], one.dof) for one in planned.levels]
-    effective = combined_dof(total, [(own, float(dof)), *groups] if dof else [])
+    spare, dof = len(found.rows) - planned.n_free, np.zeros_like(total)
+    if spare > 0:
+        own = total - sum(parts.values(), np.zeros_like(total))
+        groups = [(parts[one.name], one.dof) for one in planned.levels]
+        dof = combined_dof(total, [(own, float(spare)), *groups])
     shared = sum((part for name, part in parts.items() if name != CONDITION), np.zeros_like(total))
-    return Outlook(np.sqrt(total), np.sqrt(shared), dof, effective, level)
+    return Outlook(np.sqrt(total), np.sqrt(shared), dof, level)
 
 
 def _variances(

@@ -53,7 +53,7 @@ from ropefric.shown import Shown, from_above, in_words
 class FitStatus(AdvisedStatus):
     """Status of a fit, from good to bad."""
 
-    OK = "ok: The parameters are determined by the data within their intervals."
+    OK = "ok: The data determine all parameters."
     EXTREME_SCATTER = (
         "extreme-scatter: The repeats scatter so widely that the logarithm of the force is no longer its own mean. "
         "Find the cause in the recordings before using the law."

@@ -161,7 +161,9 @@ def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     planned = planned_fit(fit)
     target = one_condition(0.1, 0.0049, math.radians(720), 80.0)
     found = plan_tests(planned, bench, target, n_conditions=6, starts=2)
-    assert (found.before.dof, found.after.dof) == (31, 37)
+    # 31, and 37 with six more; the errors that are stated do not count against them.
+    assert found.before.dof == pytest.approx(predict(fit, target).dof, rel=0.06)
+    assert 31 < found.before.dof[0] < found.after.dof[0] - 6 < 34
     assert found.after.std_log[0] < found.before.std_log[0]
     assert found.improvement > 1.0
 

@@ -156,10 +156,7 @@ def planned_fit(fit: FitResult, *, within: float | None = None, between: float |
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
     tested = Conditions(**{name: columns[name] for name in SETTINGS})
-    levels, model = _levels_of(fit, tested, scatter.between), fit.scatter
-    own = [
-        n == len(tested) and name in model.groups for name, n in zip(model.names, model.levels, strict=True)
-    ]
+    levels = _levels_of(fit, tested, scatter.between)
     notes += [
         f"new tests are taken to be pulled with the {len(one.effects)} {one.name}s of the trials in turn"
         for one in levels
@@ -175,7 +172,7 @@ def planned_fit(fit: FitResult, *, within: float | None = None, between: float |
         common=fit.common_errors,
         chain=_chain_of(fit),
         levels=levels,
-        own_mu_std=math.sqrt(np.maximum(model.variance, 0.0) @ own) if own else 0.0,
+        own_mu_std=math.sqrt(fit.scatter.own_mu_variance(len(tested))),
         notes=tuple(notes),
     )
 

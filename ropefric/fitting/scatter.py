@@ -314,6 +314,11 @@ class ScatterModel:
         """Return the names of the groups."""
         return tuple(name for name in self.names if name not in {ALL, CONDITION, REPEAT})
 
+    def own_mu_variance(self, n_cells: int) -> float:
+        """Return the variance of μ, relative to itself, by groups that have a level for each of the cells."""
+        each = zip(self.names, self.levels, self.variance.tolist(), strict=True)
+        return sum(max(s2, 0.0) for name, n, s2 in each if n == n_cells and name in self.groups)
+
     def one_pull(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
         """Return how much of each variance one pull with all groups new adds to that of ln F_A, shape (r, m)."""
         single = self.uneven.factor(log_lift, rise)

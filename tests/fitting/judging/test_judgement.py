@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,6 +75,11 @@ def test_conditions_far_beyond_their_repeats_leave_it_undecided(tmp_path, capfd)
     verdict, _ = everywhere(table, tmp_path, capfd)
     assert verdict.word == "undecided"
     assert "do not show whether the cause is a new rope each time" in verdict.reason
+    # That each condition had a rope of its own explains it, and no more than an effect that the law lacks.
+    named = replace(table, labels={"rope_id": tuple(map(str, table.group()))})
+    fit = ropefric.fit(named, "constant")
+    assert fit.scatter.groups == ("rope",)
+    assert "do not show whether the cause is a new rope each time" in fit.verdict.reason
     calm = pulls("constant", [0.2], wraps=np.pi / 2 * np.arange(1, 7), repeats=5)
     assert choose_law(compare_laws(calm)).verdict.word == "supported"
 

@@ -21,7 +21,7 @@ Columns = tuple[FloatArray, ...]
 Slopes = tuple[FloatArray, ...]
 """Derivatives, each of which broadcasts to what it is a derivative of."""
 
-FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
+FROM_ZERO = "use the form of the law that counts the wrap from zero, whose name ends in -from-zero"
 """Fix where no wrap angle is equivalent to an end tension."""
 
 _LEAST_WRAP_RAD = 1e-290
@@ -376,18 +376,6 @@ class FrictionLaw:
         {'a': 0.2, 'b': -0.5, 'c': 0.1}
         """
         return dict(zip(self.parameter_names, map(float, self._columns(theta)), strict=True))
-
-    def without_end_tension(self) -> "FrictionLaw":
-        """Return the law with the wrap counted from zero whatever the end tension, under its own name.
-
-        Raises
-        ------
-        InputError
-            If end tension and wrap are not coupled in this law.
-        """
-        if self.variant is None:
-            raise InputError(f"{self.name} does not count an end tension as wrap", fix="use it as it is")
-        return self.variant
 
     def calculation(self, theta: npt.ArrayLike, conditions: Conditions, index: int = 0) -> tuple[str, ...]:
         """Return the lift force of one condition as lines of arithmetic.

@@ -25,7 +25,7 @@ from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_law
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std, predict
+from ropefric.fitting.predict import REGRESSORS, Prediction, predict
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import Conditions, distinct, one_condition
@@ -362,7 +362,7 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
     """
-    return budgets.state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
+    return budgets.state_lift(fit, wheel, {}, one_pull=fit.scatter.of_pulls)
 
 
 def swings_of_design(fit: FitResult, prediction: Prediction) -> tuple[tuple[str, float, float, float], ...]:

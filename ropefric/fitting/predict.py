@@ -21,7 +21,7 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
-from ropefric.fitting.reml import CONDITION, REPEAT
+from ropefric.fitting.reml import REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
 from ropefric.fitting.scatter import ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
@@ -455,7 +455,7 @@ def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
 def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     """Return how far ln F_A of one pull, or of one rope, may lie to one side, with a probability, shape (n,)."""
     scatter = fit.scatter
-    if math.isnan(new_rope_std(fit)):
+    if not scatter.of_pulls:
         return np.full_like(spread.law, np.nan)
     variance = spread.law + spread.own @ np.maximum(scatter.variance, 0.0)
     reach = scatter.reach(probability, variance, spread.rows, spread.own, spread.known)
@@ -499,20 +499,6 @@ def degrees_of_freedom(fit: FitResult) -> float:
     dof = fit.statistics.interval_dof
     # A file has no infinity, so an infinite number of degrees of freedom comes back as NaN.
     return math.inf if math.isnan(dof) else max(dof, 1.0)
-
-
-def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = None) -> float:
-    """Return the standard deviation of ln F_A of one pull with a new rope about the law [-]; NaN where none is known.
-
-    `rise` is ln(F_A/F_B) there: a new rope of the kind, mounting or operator has a μ of its own. `log_lift` is ln F_A,
-    with which the others may grow.
-    """
-    model = fit.scatter
-    if not {CONDITION, REPEAT} & {*model.names}:
-        return math.nan
-    force = model.uneven.centre if log_lift is None else log_lift
-    own = model.one_pull(np.array([force]), np.array([rise]))
-    return math.sqrt(float(model.integrated(np.zeros((1, fit.theta.size)), own)[0][0]))
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:

@@ -314,6 +314,11 @@ class ScatterModel:
         """Return the names of the groups."""
         return tuple(name for name in self.names if name not in {ALL, CONDITION, REPEAT})
 
+    @property
+    def of_pulls(self) -> bool:
+        """Return whether it is known how single pulls scatter, or conditions."""
+        return bool({CONDITION, REPEAT} & {*self.names})
+
     def own_mu_variance(self, n_cells: int) -> float:
         """Return the variance of μ, relative to itself, by groups that have a level for each of the cells."""
         each = zip(self.names, self.levels, self.variance.tolist(), strict=True)

@@ -436,14 +436,8 @@ class ScatterModel:
             for one in tree.get("mixtures", ())
         )
         return cls(
-            names=words,
-            levels=levels,
-            uneven=uneven,
-            labels=labels,
-            tail_dof=tail_dof,
-            mixtures=mixtures,
-            **arrays,
-        )
+            names=words, levels=levels, uneven=uneven, labels=labels, tail_dof=tail_dof, mixtures=mixtures, **arrays
+        )  # fmt: skip
 
 
 def nothing_known(p: int) -> ScatterModel:

@@ -78,7 +78,7 @@ class CampaignAnswer:
     @property
     def verdict(self) -> Verdict:
         """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
-        return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+        return self.winner.verdict if self.prediction is None else self.prediction.verdict
 
     @property
     def forced_law(self) -> str:

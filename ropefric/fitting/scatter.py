@@ -11,6 +11,7 @@ likelihood leaves possible, see `Mixture`, so that three ropes count as three. A
 told from what else a condition brings by the growth with the rise; one for each pull makes repeats uneven (`Uneven`).
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -202,8 +203,8 @@ def _unevenness(log_lift: FloatArray, rise: FloatArray, size: FloatArray, square
         spread = float(weight @ (x - centre) ** 2)
         exponent = float(weight @ ((x - centre) * y)) / spread
         if (deviations := abs(exponent) * spread**0.5) >= surest:
-            numbers = (exponent, centre, float(every.min()), float(every.max()))
-            surest, found = deviations, Uneven(*(significant(x, 6) for x in numbers), by)
+            ends = significant(float(every.min()), 6), significant(float(every.max()), 6)
+            surest, found = deviations, Uneven(significant(exponent, 6), significant(centre, 6), *ends, by)
     return found
 
 
@@ -322,7 +323,7 @@ class ScatterModel:
     def own_mu_variance(self, n_cells: int) -> float:
         """Return the variance of μ, relative to itself, by groups that have a level for each of the cells."""
         each = zip(self.names, self.levels, self.variance.tolist(), strict=True)
-        return sum(max(s2, 0.0) for name, n, s2 in each if n == n_cells and name in self.groups)
+        return math.fsum(max(s2, 0.0) for name, n, s2 in each if n == n_cells and name in self.groups)
 
     def one_pull(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
         """Return how much of each variance one pull with all groups new adds to that of ln F_A, shape (r, m)."""

@@ -147,7 +147,7 @@ def prediction_section(prediction: Prediction) -> Section:
         lines.append(
             f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0], std_N)}"
         )
-    verdict = prediction.verdict()
+    verdict = prediction.verdict
     lines.append(f"{verdict.word}: {verdict.reason}")
     notes = [note for note in prediction.notes() if note not in verdict.reasons]
     if not verdict.supported and prediction.spread_N is not None:

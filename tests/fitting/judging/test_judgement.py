@@ -159,8 +159,8 @@ def test_what_a_law_says_of_a_setting_that_all_trials_have_alike_is_not_supporte
     here = choose_law(comparison, "", asked).verdict
     assert here.supported
     assert untested in here.reason
-    assert predict(fit, asked).verdict().supported
-    assert not predict(fit, elsewhere["size"]).verdict().supported
+    assert predict(fit, asked).verdict.supported
+    assert not predict(fit, elsewhere["size"]).verdict.supported
     # The same law on wheels and end tensions that differ is shown by them.
     varied = pulls("howell", theta, (0.02, 0.08), wraps[::2], loads, repeats=5, within=0.005)
     assert choose_law(compare_laws(varied, ["howell"]), "howell").verdict.supported

@@ -168,8 +168,9 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     mean_rise = means.log_lift - means.conditions.log_end_tension
     uneven = _unevenness(means.log_lift, mean_rise, size, of_cell)
     factor, spare = uneven.factor(means.log_lift, mean_rise), cell.size - k
+    squares = float((of_cell / factor).sum())
     if uneven.exponent:
-        ends = float(of_cell.sum()) / max(spare, 1) * np.array([factor.min(), factor.max()])
+        ends = squares / max(spare, 1) * np.array([factor.min(), factor.max()])
         low, high = (
             f"{100.0 * value**0.5:.2g} %" for value in ends.tolist()[:: 1 if uneven.exponent > 0.0 else -1]
         )
@@ -179,7 +180,6 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
         tail_dof, tails = _tails(even, left, spare)
         notes += [*tails, *_far_pull(even, left, spare - 1, problem.conditions)]
-    squares = float((of_cell / factor).sum())
     return Layout(
         on_means, cell, size, condition[first], squares, spare, own, tuple(notes), uneven, labels, tail_dof
     )

@@ -1,6 +1,7 @@
 """The model of scatter: against statsmodels, closed forms, direct search of its likelihood, and by simulation."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -508,6 +509,10 @@ def test_scatter_that_grows_is_seen_said_and_weighed(kind):
         low, high = np.log(found.prediction_interval_N[0])
         pulls += low <= math.log(80.0) + 3.6 + of_one * rng.normal() <= high
     assert min(held, pulls, said) > 20
+    if not fit.scatter.groups:
+        (note,) = (note for note in fit.notes if "repeats scatter by about" in note)
+        ends = [float(word) for word in re.findall(r"([\d.]+) %", note)]
+        assert ends == pytest.approx([100 * by_pull.min(), 100 * by_pull.max()], rel=0.4)
     assert fit.scatter.uneven.by == ("rise" if kind == "rope each pull" else "force")
     assert fit.scatter.groups == (("rope",) if "condition" in kind or "single" in kind else ())
     again = FitResult.from_dict(fit.to_dict())

@@ -25,7 +25,7 @@ from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_law
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std, predict
+from ropefric.fitting.predict import REGRESSORS, Prediction, predict
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import Conditions, distinct, one_condition
@@ -78,7 +78,7 @@ class CampaignAnswer:
     @property
     def verdict(self) -> Verdict:
         """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
-        return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+        return self.winner.verdict if self.prediction is None else self.prediction.verdict
 
     @property
     def forced_law(self) -> str:
@@ -362,7 +362,7 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
     """
-    return budgets.state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
+    return budgets.state_lift(fit, wheel, {}, one_pull=fit.scatter.of_pulls)
 
 
 def swings_of_design(fit: FitResult, prediction: Prediction) -> tuple[tuple[str, float, float, float], ...]:

@@ -17,7 +17,6 @@ import pytest
 import ropefric as rf
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.fitting.next_tests import planned_guess
-from ropefric.fitting.predict import new_rope_std
 from ropefric.fitting.resolution import MeanScatter
 from ropefric.friction.laws import LAWS
 from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
@@ -253,7 +252,7 @@ def test_a_budget_of_exact_settings_is_the_standard_error_of_the_prediction():
     # F_A is not far from proportional to F_B, so 1 % of F_B is worth about 1 % of F_A: far more than the law.
     loose = rf.budget(COUPLED, **wheel, u_end_tension_N=0.6, draws=20_000)
     assert max(loose.budget.lines, key=lambda line: line.share).name == "end tension"
-    rope = new_rope_std(rf.load_fit(COUPLED)) * predicted.lift_force_N[0]
+    rope = np.sqrt(np.maximum(rf.load_fit(COUPLED).scatter.variance, 0.0).sum()) * predicted.lift_force_N[0]
     one_pull = rf.budget(COUPLED, **wheel, one_pull=True, draws=20_000)
     assert one_pull.budget.combined == pytest.approx(np.hypot(predicted.std_N[0], rope), rel=1e-6)
 

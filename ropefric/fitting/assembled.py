@@ -189,7 +189,9 @@ def _errors(found: Found, free: BoolArray) -> tuple[scatter.Estimate, str]:
             note += f"; the trials have {named}, each of which may have a μ of its own"
         hidden = [name for name in layout.groups if name not in best.model.names]
         if hidden:
-            note += f"; {' and '.join(hidden)} cannot be separated from the law or from another group"
+            note += (
+                f"; {' and '.join(hidden)} cannot be separated from the law, another group or the condition"
+            )
         return best._replace(model=best.model.rounded()), note
     # What repeats scatter by is all that is known, and nothing between conditions.
     rest = layout.problem.residuals(found.theta)

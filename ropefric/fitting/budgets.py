@@ -14,7 +14,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
-from ropefric.fitting.predict import has_interval, new_rope_std, outside_words
+from ropefric.fitting.predict import has_interval, outside_words
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
@@ -164,14 +164,14 @@ def lift_model(
         for key, words in _SETTINGS.items()
     ]
     if one_pull:
-        rise = math.log(F_A / float(wheel.end_tension_N[0]))
-        if not math.isfinite(new := new_rope_std(fit, rise, math.log(F_A))):
+        if not fit.scatter.of_pulls:
             text = f"the fit of {fit.law} knows no scatter, so one pull has no interval"
             raise InputError(text, key="one_pull", fix="repeat conditions, or request the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
-        own = fit.scatter.one_pull(np.array([math.log(F_A)]), np.array([rise]))
-        dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own)[0])
-        quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=dof, type="A"))
+        own = fit.scatter.one_pull(np.log([F_A]), np.log(F_A / wheel.end_tension_N))
+        ((variance,), (dof,)) = fit.scatter.integrated(np.zeros((1, theta.size)), own)
+        new = math.sqrt(variance)
+        quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=float(dof), type="A"))
     first = len(quantities)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
@@ -205,6 +205,10 @@ def state_lift(
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
     status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
+    if not has_interval(fit):
+        notes += (
+            "the fit gives no interval: of its parameters only the scatter of repeats is counted, as of 1 dof",
+        )
     if one_pull and math.isfinite(fit.scatter.tail_dof):
         notes += ("repeats have heavier tails than this budget assumes: use the interval of `predict`",)
     return state_uncertainty(model, status=status, notes=notes, **check)

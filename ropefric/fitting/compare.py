@@ -408,7 +408,7 @@ class Choice:
             )
             for one in (answers if len(answers) > 1 else ())
         )
-        return replace(prediction, judged=self.verdict, candidates=candidates)
+        return replace(prediction, verdict=self.verdict, candidates=candidates)
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:

@@ -19,7 +19,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import Rising, rising_root
-from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_range
+from ropefric.fitting.predict import Method, lift_ends, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, as_floats, same_length
@@ -156,7 +156,7 @@ def _check_probability(fit: FitResult, probability: float | None) -> None:
         text = f"the probability is {probability:g}"
         fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"
         raise InputError(text, key="probability", fix=fix)
-    if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
+    if not (fit.scatter.of_pulls and np.isfinite(fit.covariance).all()):
         text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
         fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
         raise InputError(text, key="probability", fix=fix)

@@ -97,8 +97,9 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
     vary = [name not in held | {*settings.fixed} for name in law.parameter_names]
     for name, value, low, high in zip(law.parameter_names, start, lower, upper, strict=True):
         if not low <= value <= high:
-            text = f"the start value {name} = {value:g} lies outside its bounds {low:g} … {high:g}"
-            raise InputError(text, code="RF402", key=name, fix="start inside the bounds, or widen them")
+            what = "fixed" if name in settings.fixed else "start"
+            text = f"the {what} value {name} = {value:g} lies outside its bounds {low:g} … {high:g}"
+            raise InputError(text, code="RF402", key=name, fix="give one inside the bounds, or widen them")
     if not law.admissible(start, conditions):
         law.log_lift(start, conditions)  # raises, and says why and what to do
     plain = FitProblem.plain(law, conditions, log_lift, start=start)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincinv, ndtri
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import to_share
 from ropefric.fitting.problem import FitProblem, Rows, batched_fit
@@ -63,12 +63,9 @@ _MOVED = 0.3
 
 
 class ProfileResult(NamedTuple):
-    """Profile-likelihood intervals of a fit, the Δχ² at their ends, and how many fits it took to find them."""
+    """Profile-likelihood intervals of a fit, shape (p, 2), and how many fits it took to find them."""
 
-    theta: FloatArray
     ci: FloatArray
-    at_bound: BoolArray
-    threshold: FloatArray
     n_fits: int
     notes: tuple[str, ...]
 
@@ -103,17 +100,16 @@ def profile_intervals(
     walk.bracket()
     walk.refine()
     ci = np.stack([best, best], axis=-1)
-    at_bound = np.zeros(ci.shape, dtype=np.bool_)
     for j, sign, (end, kind) in zip(walk.parameter, walk.sign, walk.ends(), strict=True):
         side = int(sign > 0.0)
-        ci[j, side], at_bound[j, side] = end, kind == "bound"
+        ci[j, side] = end
         if kind != "crossing":
             text = _END_NOTES[kind].format(("lower", "upper")[side], end)
             notes.append(f"{problem.law.parameter_names[j]}: {text}")
     if walk.lowest < -_LOWER_MINIMUM * max(chi2_min, 1e-300):
         text = f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g})"
         notes.append(f"{text}: fit again from more starts")
-    return ProfileResult(best, ci, at_bound, threshold, walk.n_fits, tuple(notes))
+    return ProfileResult(ci, walk.n_fits, tuple(notes))
 
 
 class _Walk:

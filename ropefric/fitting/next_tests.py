@@ -63,6 +63,7 @@ class PlannedLaw:
     common: tuple[CommonError, ...] = ()
     chain: str = ""
     levels: tuple[LevelScatter, ...] = ()
+    own_mu_std: float = 0.0  # of μ relative to itself, where each condition has a rope of its own
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -86,7 +87,7 @@ class PlannedLaw:
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
         for group in self.levels:
             named |= group.effects
-        own2 = self.scatter.variance(self.tested_repeats)
+        own2 = self._own_variance(self.tested, self.tested_repeats)
         if any(group.name == CONDITION for group in self.levels):
             own2 = own2 - self.scatter.between**2
         return self._evidence(self.tested, own2, named)
@@ -103,7 +104,12 @@ class PlannedLaw:
                 each = group.std * (log_lift - conditions.log_end_tension) / len(group.effects)
                 effects |= dict.fromkeys(group.effects, each)
         effects |= self._effects(conditions)
-        return self._evidence(conditions, self.scatter.variance(repeats), effects)
+        return self._evidence(conditions, self._own_variance(conditions, repeats), effects)
+
+    def _own_variance(self, at: Conditions, repeats: npt.ArrayLike) -> FloatArray:
+        """Return what no other mean shares of the variance of each, shape (n,)."""
+        rise = self.law.log_lift(self.theta, at) - at.log_end_tension
+        return self.scatter.variance(repeats) + (self.own_mu_std * rise) ** 2
 
     def _evidence(
         self, conditions: Conditions, own2: FloatArray, effects: Mapping[str, FloatArray]
@@ -166,6 +172,7 @@ def planned_fit(fit: FitResult, *, within: float | None = None, between: float |
         common=fit.common_errors,
         chain=_chain_of(fit),
         levels=levels,
+        own_mu_std=math.sqrt(fit.scatter.own_mu_variance(len(tested))),
         notes=tuple(notes),
     )
 
@@ -182,8 +189,10 @@ def _levels_of(fit: FitResult, tested: Conditions, between: float) -> tuple[Leve
 
     found = [
         levels(name, math.sqrt(variance), float(2.0 * variance**2 / spread), model.labels[name], rise)
-        for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True)
-        if name in model.groups and variance > 0.0
+        for name, n_levels, variance, spread in zip(
+            model.names, model.levels, model.variance, np.diag(model.covariance), strict=True
+        )
+        if name in model.groups and variance > 0.0 and n_levels < len(tested)
     ]
     if between and 0 < n < rise.size:
         dof = float(n - fit.shown.sum())
@@ -234,30 +243,29 @@ def allowed_conditions(
 class Outlook(NamedTuple):
     """How certain predictions are expected to be.
 
-    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, how many means there are beyond the
-    parameters, the degrees of freedom of each variance (t,), and the level of intervals.
+    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, the degrees of freedom of the
+    intervals (t,), 0 where no mean is left beyond the parameters, and the level of the intervals.
     """
 
     std_log: FloatArray
     shared_log: FloatArray
-    dof: int
-    effective_dof: FloatArray
+    dof: FloatArray
     level: float
 
     @property
     def half_width_log(self) -> FloatArray:
         """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom."""
-        if not self.dof:
-            return np.full_like(self.std_log, np.inf)
-        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in self.effective_dof.tolist()]
+        reach = [quantile(0.5 + 0.5 * self.level, nu) if nu else math.inf for nu in self.dof.tolist()]
+        return self.std_log * reach
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces."""
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        names, columns = ("std_log", "std_N", "interval_N"), (self.std_log, self.std_log * lift_N, ends_N.T)
-        return [dict(zip(names, row, strict=True)) | {"dof": self.dof} for row in zip(*columns, strict=True)]
+        columns = self.std_log, self.std_log * lift_N, ends_N.T, self.dof
+        names = ("std_log", "std_N", "interval_N", "dof")
+        return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -426,12 +434,13 @@ def plan_tests(
 def _outlook(planned: PlannedLaw, found: Evidence, along: FloatArray, level: float) -> Outlook:
     """Return how certain predictions with slopes `along` (t, q) are by some evidence."""
     total, parts = _variances(planned, found, along)
-    dof = max(len(found.rows) - planned.n_free, 0)
-    own = total - sum(parts.values(), np.zeros_like(total))
-    groups = [(parts[one.name], one.dof) for one in planned.levels]
-    effective = combined_dof(total, [(own, float(dof)), *groups] if dof else [])
+    spare, dof = len(found.rows) - planned.n_free, np.zeros_like(total)
+    if spare > 0:
+        own = total - sum(parts.values(), np.zeros_like(total))
+        groups = [(parts[one.name], one.dof) for one in planned.levels]
+        dof = combined_dof(total, [(own, float(spare)), *groups])
     shared = sum((part for name, part in parts.items() if name != CONDITION), np.zeros_like(total))
-    return Outlook(np.sqrt(total), np.sqrt(shared), dof, effective, level)
+    return Outlook(np.sqrt(total), np.sqrt(shared), dof, level)
 
 
 def _variances(

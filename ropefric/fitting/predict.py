@@ -21,7 +21,7 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
-from ropefric.fitting.reml import CONDITION, REPEAT
+from ropefric.fitting.reml import REPEAT
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
 from ropefric.fitting.scatter import ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
@@ -140,7 +140,7 @@ class Prediction(Shown):
         Which of R_w, R_r, φ, F_B lie outside the tested range.
     validity : mapping
         Lowest and highest tested value of each.
-    judged : Verdict
+    verdict : Verdict
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
         Answers of the laws that the data cannot distinguish, the law used first; empty for a single law.
@@ -155,7 +155,7 @@ class Prediction(Shown):
         normal.
     """
 
-    _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
+    _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=verdict.word")
     _settings = tuple(f"conditions.{name}" for name in SETTINGS)
     _framed = (*_settings, "lift_force_N", "std_N", *_ENDS_N, "extrapolated")
 
@@ -173,7 +173,7 @@ class Prediction(Shown):
     method: Method
     outside: BoolArray
     validity: Validity
-    judged: Verdict
+    verdict: Verdict
     candidates: tuple[Candidate, ...] = ()
     of: str = "peak"
     this_rope: RopePrediction | None = None
@@ -202,10 +202,6 @@ class Prediction(Shown):
         known = [end for end in ends if math.isfinite(end)]
         return min(known), max(known)
 
-    def verdict(self, index: int = 0) -> Verdict:  # noqa: ARG002  (what is asked of every condition)
-        """Return the verdict on the lift force of one condition: that on the law."""
-        return self.judged
-
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
         words = outside_words(self.validity, self.conditions, index)
@@ -228,7 +224,7 @@ class Prediction(Shown):
         found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")} | {
             "rope_interval_N": None if self.rope_interval_N is None else self.rope_interval_N[i],
             "notes": self.notes(i),
-            "verdict": self.verdict(i).to_dict(),
+            "verdict": self.verdict.to_dict(),
             "candidates": [item._asdict() for item in self.candidates],
         }
         found |= {"tail_dof": self.tail_dof} if math.isfinite(self.tail_dof) else {}
@@ -282,7 +278,7 @@ def predict(
             method="profile" if _takes_profile(fit, model.pressing(conditions), method) else "linear",
             outside=outside_range(fit.validity, conditions),
             validity=fit.validity,
-            judged=fit.verdict_on(conditions),
+            verdict=fit.verdict_on(conditions),
             of=fit.of,
             this_rope=this,
             trials=fit.trials,
@@ -455,7 +451,7 @@ def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
 def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     """Return how far ln F_A of one pull, or of one rope, may lie to one side, with a probability, shape (n,)."""
     scatter = fit.scatter
-    if math.isnan(new_rope_std(fit)):
+    if not scatter.of_pulls:
         return np.full_like(spread.law, np.nan)
     variance = spread.law + spread.own @ np.maximum(scatter.variance, 0.0)
     reach = scatter.reach(probability, variance, spread.rows, spread.own, spread.known)
@@ -499,20 +495,6 @@ def degrees_of_freedom(fit: FitResult) -> float:
     dof = fit.statistics.interval_dof
     # A file has no infinity, so an infinite number of degrees of freedom comes back as NaN.
     return math.inf if math.isnan(dof) else max(dof, 1.0)
-
-
-def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = None) -> float:
-    """Return the standard deviation of ln F_A of one pull with a new rope about the law [-]; NaN where none is known.
-
-    `rise` is ln(F_A/F_B) there: a new rope of the kind, mounting or operator has a μ of its own. `log_lift` is ln F_A,
-    with which the others may grow.
-    """
-    model = fit.scatter
-    if not {CONDITION, REPEAT} & {*model.names}:
-        return math.nan
-    force = model.uneven.centre if log_lift is None else log_lift
-    own = model.one_pull(np.array([force]), np.array([rise]))
-    return math.sqrt(float(model.integrated(np.zeros((1, fit.theta.size)), own)[0][0]))
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:

@@ -67,14 +67,16 @@ def law_named(law: object) -> FrictionLaw:
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
     """Refuse settings that no fit of this law can follow; return quietly otherwise."""
-    for key in ("fixed", "start", "bounds"):
+    kinds = {"fixed": ("a number", ()), "start": ("a number", ()), "bounds": ("(lower, upper)", (2,))}
+    for key, (wanted, shape) in kinds.items():
         for name, value in getattr(settings, key).items():
             if name not in law.parameter_names:
                 fix = did_you_mean(str(name), law.parameter_names)
                 raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
-            if key == "bounds" and np.shape(value) != (2,):
-                text = f"{name} is given as {value!r:.40}, not as (lower, upper)"
-                raise InputError(text, key=key, fix="give (lower, upper)")
+            given = np.array(value)
+            if given.shape != shape or given.dtype.kind not in "fiu" or np.isnan(given).any():
+                text = f"{name} is given as {value!r:.40}, not as {wanted}"
+                raise InputError(text, key=key, fix=f"give {wanted}")
             if key == "bounds" and not value[0] < value[1]:
                 text = f"the bounds of {name}, {value[0]:g} … {value[1]:g}, leave nothing between them"
                 fix = "give (lower, upper), or fix the parameter"
@@ -188,12 +190,11 @@ _NOTHING = 1e-280
 
 
 class BatchFit(NamedTuple):
-    """Least-squares fits of m data sets: parameters (m, p), χ² and whether it is a minimum (m,), and steps taken."""
+    """Least-squares fits of m data sets: parameters (m, p), χ² and whether it is a minimum (m,)."""
 
     theta: FloatArray
     chi2: FloatArray
     converged: BoolArray
-    n_iterations: int
 
 
 def batched_fit(
@@ -238,10 +239,10 @@ def batched_fit(
             vary=free[rows], damping=damping,
         )  # fmt: skip
 
-    for taken in range(max_iterations):
+    for _ in range(max_iterations):
         rows = np.flatnonzero(alive)
         if not rows.size:
-            return BatchFit(theta, chi2, converged, taken)
+            break
         # The plain steps tell whether a search is done.
         step, length2 = proposed(rows, np.zeros(rows.size))
         enough2 = tolerance**2 * chi2[rows] / problem.n_points + _MODEL_ROUNDING**2 * signal[rows]
@@ -278,7 +279,7 @@ def batched_fit(
         theta[rows] = trial[better]
         for whole, part in zip(found, there, strict=True):
             whole[rows] = part[better]
-    return BatchFit(theta, chi2, converged, max_iterations)
+    return BatchFit(theta, chi2, converged)
 
 
 class _DataSets(NamedTuple):

@@ -15,8 +15,9 @@ Known = FloatArray | float
 CONDITION, REPEAT = "condition", "repeat"
 
 # The variance of a mean stays above this part of what its repeats leave (of single pulls, what pulls scatter by),
-# however low the others happen to be.
-_LEAST = 0.05
+# however low the others happen to be. Where each condition has a level of its own only the shape of its scatter tells
+# it from the condition's: were the sum of both let below zero, the mean of least rise would count for all.
+_LEAST, _LEAST_BY_SHAPE = 0.05, 1.0
 _ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
 _SETTLED, _CLOSE = 1e-9, 1e-10
 # ln ρ of a group, its largest eigenvalue one, where the likelihood is looked for; and its nodes, in standard deviations.
@@ -113,7 +114,10 @@ def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[Flo
 
 
 class Reml(NamedTuple):
-    """Residuals r of k means with slopes X, V = Σ s_i part_i + known, and the squares of repeats about their means."""
+    """Residuals r of k means with slopes X, V = Σ s_i part_i + known, and the squares of repeats about their means.
+
+    `by_shape`: whether a group has a level for each mean.
+    """
 
     r: FloatArray
     X: FloatArray
@@ -121,6 +125,7 @@ class Reml(NamedTuple):
     known: FloatArray
     squares: float
     spare: int
+    by_shape: bool = False
 
     def solved(self) -> tuple[FloatArray, Moments]:
         """Return the variances of greatest restricted likelihood, by Fisher's scoring with steps that must gain."""
@@ -154,9 +159,9 @@ class Reml(NamedTuple):
         of = dict(zip(self.parts, s.tolist(), strict=True))
         V = self.known + sum(size * self.parts[name] for name, size in of.items())
         repeat, last = of.get(REPEAT, 1.0), [*of][-1]
-        if repeat <= 0.0:
+        if repeat <= 0.0 or (self.by_shape and of[last] <= 0.0):
             return None
-        floor = _LEAST * max(of[last], 0.0) * self.parts[last]
+        floor = (_LEAST_BY_SHAPE if self.by_shape else _LEAST) * max(of[last], 0.0) * self.parts[last]
         if (found := _whitening(V, V - floor)) is None:
             return None
         whitening, log_det = found
@@ -188,9 +193,9 @@ class Reml(NamedTuple):
         place, size = [*self.parts].index(name), np.maximum(s, 0.0)
         size[place], size[-1] = 0.0, max(size[-1], _SETTLED)  # W stays definite
         W = self.known + sum(x * part for x, part in zip(size.tolist(), self.parts.values(), strict=True))
-        whitening = np.linalg.inv(np.linalg.cholesky(W))
-        left = decomposed(whitening @ self.X).root()[1]
-        turned = whitening @ np.column_stack([levels, self.r])
+        whitening = np.asarray(W**-0.5 if W.ndim == 1 else np.linalg.inv(np.linalg.cholesky(W)))
+        left = decomposed(times(whitening, self.X)).root()[1]
+        turned = times(whitening, np.column_stack([levels, self.r]))
         turned -= left @ (left.T @ turned)
         basis, length, _ = np.linalg.svd(turned[:, :-1], full_matrices=False)
         e, by_level = turned[:, -1], (length / length[0]) ** 2

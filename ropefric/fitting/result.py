@@ -30,7 +30,7 @@ supported
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from math import inf, isfinite, nan
+from math import hypot, inf, isfinite, nan, sqrt
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -53,7 +53,7 @@ from ropefric.shown import Shown, from_above, in_words
 class FitStatus(AdvisedStatus):
     """Status of a fit, from good to bad."""
 
-    OK = "ok: The parameters are determined by the data within their intervals."
+    OK = "ok: The data determine all parameters."
     EXTREME_SCATTER = (
         "extreme-scatter: The repeats scatter so widely that the logarithm of the force is no longer its own mean. "
         "Find the cause in the recordings before using the law."
@@ -347,7 +347,11 @@ class FitResult(Shown):
     def _of_conditions(self) -> Iterator[Doubt]:
         """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
-        within, between, spare = found.scatter_within, found.scatter_between, n - q
+        within, spare, lifts = found.scatter_within, n - q, np.array(self.trials.get("mean_log_lift", (0.0,)))
+        # A rope of its own for each condition explains any misfit as well.
+        rise = lifts - np.log(self.trials.get("end_tension_N", (1.0,)))
+        own2 = self.scatter.own_mu_variance(lifts.size) * float(np.mean(rise**2))
+        between = hypot(found.scatter_between, sqrt(own2))
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"
             yield "not judged", f"{text}: {q + SPARE} are needed"

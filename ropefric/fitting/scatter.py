@@ -1,16 +1,18 @@
 """One model of scatter: ln F_A = law(θ) + what ropes, mountings, operators bring + condition + repeat + stated errors.
 
 A rope, a mounting, an operator may have a μ of its own: it changes ln F_A in proportion to the rise ln(F_A/F_B). What a
-condition brings (a setting, a new rope each time) is shared by its repeats. Stated errors are known components, shared
+condition brings (a setting) is shared by its repeats. Stated errors are known components, shared
 by exactly what the user says shares them. The variances of the others are found by restricted maximum likelihood (REML)
 on the linearised law (Patterson & Thompson 1971, Biometrika 58:545), without a floor at zero: a mean square between
 conditions that happens to lie below the repeats' stays what it is, which makes Student's t exact in balanced designs.
 Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's. Of a group with
 few levels the estimated variance is often zero by chance. Its intervals hold for all variances that the restricted
-likelihood leaves possible, see `Mixture`, so that three ropes count as three.
+likelihood leaves possible, see `Mixture`, so that three ropes count as three. A rope of its own for each condition is
+told from what else a condition brings by the growth with the rise; one for each pull makes repeats uneven (`Uneven`).
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -42,16 +44,34 @@ _TINY = 1e-300
 
 
 class Uneven(NamedTuple):
-    """How the variance of ln F_A grows with the force: by e^{exponent (ln F_A − centre)}, over the forces tested."""
+    """How the variance of ln F_A grows: as e^{exponent (x − centre)}, over the x tested.
+
+    x is ln F_A, or the logarithm of the rise ln(F_A/F_B), with which it grows where each pull has a rope of its own.
+    """
 
     exponent: float = 0.0
     centre: float = 0.0
     low: float = 0.0
     high: float = 0.0
+    by: str = "force"
 
-    def factor(self, log_lift: FloatArray) -> FloatArray:
+    def factor(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
         """Return the variance at forces over that at the centre."""
-        return np.exp(self.exponent * (np.clip(log_lift, self.low, self.high) - self.centre))
+        x = np.clip(_GROWS_WITH[self.by](log_lift, rise), self.low, self.high)
+        return np.exp(self.exponent * (x - self.centre))
+
+
+_GROWS_WITH: dict[str, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    "force": lambda log_lift, _rise: log_lift,
+    "rise": lambda _log_lift, rise: np.log(np.maximum(rise, _TINY)),
+}
+_IN_WORDS = {
+    "force": ("at the lowest force", "at the highest"),
+    "rise": (
+        "at the smallest ln(F_A/F_B)",
+        "at the largest, as where each pull has a rope with a μ of its own",
+    ),
+}
 
 
 EVEN = Uneven()
@@ -145,41 +165,47 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
         text = f"{k} cells of conditions and {', '.join(own)} are more than one matrix of covariances holds"
         raise InputError(text, key="groups", fix=f"name fewer groups, for {_MOST_CELLS} cells at most")
     size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
-    uneven = _unevenness(means.log_lift, size, of_cell)
+    mean_rise = means.log_lift - means.conditions.log_end_tension
+    uneven = _unevenness(means.log_lift, mean_rise, size, of_cell)
+    factor, spare = uneven.factor(means.log_lift, mean_rise), cell.size - k
+    squares = float((of_cell / factor).sum())
     if uneven.exponent:
-        ends = of_cell.sum() / max(cell.size - k, 1) * uneven.factor(np.array([uneven.low, uneven.high]))
-        low, high = (f"{100.0 * value**0.5:.2g} %" for value in ends.tolist())
-        text = f"repeats scatter by about {low} at the lowest force and {high} at the highest"
-        notes.append(f"{text}, and are weighed so")
-    factor, spare = uneven.factor(means.log_lift), cell.size - k
+        ends = squares / max(spare, 1) * np.array([factor.min(), factor.max()])
+        low, high = (
+            f"{100.0 * value**0.5:.2g} %" for value in ends.tolist()[:: 1 if uneven.exponent > 0.0 else -1]
+        )
+        at_low, at_high = _IN_WORDS[uneven.by]
+        notes.append(f"repeats scatter by about {low} {at_low} and {high} {at_high}, and are weighed so")
     even, left, tail_dof = about / np.sqrt(factor)[cell], 1.0 - 1.0 / size[cell], np.inf
     if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
         tail_dof, tails = _tails(even, left, spare)
         notes += [*tails, *_far_pull(even, left, spare - 1, problem.conditions)]
-    squares = float((of_cell / factor).sum())
     return Layout(
         on_means, cell, size, condition[first], squares, spare, own, tuple(notes), uneven, labels, tail_dof
     )
 
 
-def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
-    """Return how the variance of repeats goes with the force, where that is beyond chance.
+def _unevenness(log_lift: FloatArray, rise: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
+    """Return how the variance of repeats goes with the force or the rise, whichever is surer, where it is beyond chance.
 
     ln s² of ν degrees of freedom scatters by ψ'(ν/2) about ln σ² + ψ(ν/2) − ln(ν/2) (Bartlett & Kendall 1946), so that
     a straight line through them, weighed, has a known error.
     """
     seen = (size > 1.0) & (squares > stats.SMALLEST_SCATTER**2)
-    half, x = 0.5 * (size[seen] - 1.0), log_lift[seen]
-    if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
-        return EVEN
+    half, surest, found = 0.5 * (size[seen] - 1.0), _BEYOND_CHANCE, EVEN
     y, weight = np.log(squares[seen] / (2.0 * half)) - psi(half) + np.log(half), 1.0 / zeta(2, half)
-    centre = float(weight @ x / weight.sum())
-    spread = float(weight @ (x - centre) ** 2)
-    exponent = float(weight @ ((x - centre) * y)) / spread
-    if abs(exponent) * spread**0.5 < _BEYOND_CHANCE:
-        return EVEN
-    ends = significant(float(log_lift.min()), 6), significant(float(log_lift.max()), 6)
-    return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
+    for by, of in _GROWS_WITH.items():
+        every = of(log_lift, rise)
+        x = every[seen]
+        if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
+            continue
+        centre = float(weight @ x / weight.sum())
+        spread = float(weight @ (x - centre) ** 2)
+        exponent = float(weight @ ((x - centre) * y)) / spread
+        if (deviations := abs(exponent) * spread**0.5) >= surest:
+            ends = significant(float(every.min()), 6), significant(float(every.max()), 6)
+            surest, found = deviations, Uneven(significant(exponent, 6), significant(centre, 6), *ends, by)
+    return found
 
 
 def _tails(about: FloatArray, own: FloatArray, spare: int) -> tuple[float, list[str]]:
@@ -221,18 +247,22 @@ def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray])
         pairs = np.unique(np.stack([one, other]), axis=1).shape[1]
         return bool(pairs == np.unique(one).size)
 
+    def same(one: IntArray, other: IntArray) -> bool:
+        return finer(one, other) and finer(other, one)
+
     if not level.max(initial=0):
         return ""
-    if finer(level, np.arange(level.size)):
+    single = same(level, problem.group)
+    if finer(level, np.arange(level.size)) and not single:
         return "is another one in every pull: its scatter is part of that of repeats"
-    if finer(level, problem.group):
+    if single and problem.n_conditions > _MOST_CELLS:
         return "is another one in every condition: its scatter is part of that between conditions"
-    for name in SETTINGS:
+    for name in SETTINGS if not single else ():
         setting = np.unique(getattr(problem.conditions, name).round(12), return_inverse=True)[1]
-        if setting.max(initial=0) and finer(level, setting) and finer(setting, level):
+        if setting.max(initial=0) and same(level, setting):
             return f"changes only with the {name.rsplit('_', 1)[0].replace('_', ' ')}: its effect is part of the law"
     for name, other in shown.items():
-        if finer(level, other) and finer(other, level):
+        if same(level, other):
             return f"changes only with {name}, and is counted once"
     return ""
 
@@ -285,9 +315,19 @@ class ScatterModel:
         """Return the names of the groups."""
         return tuple(name for name in self.names if name not in {ALL, CONDITION, REPEAT})
 
+    @property
+    def of_pulls(self) -> bool:
+        """Return whether it is known how single pulls scatter, or conditions."""
+        return bool({CONDITION, REPEAT} & {*self.names})
+
+    def own_mu_variance(self, n_cells: int) -> float:
+        """Return the variance of μ, relative to itself, by groups that have a level for each of the cells."""
+        each = zip(self.names, self.levels, self.variance.tolist(), strict=True)
+        return math.fsum(max(s2, 0.0) for name, n, s2 in each if n == n_cells and name in self.groups)
+
     def one_pull(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
         """Return how much of each variance one pull with all groups new adds to that of ln F_A, shape (r, m)."""
-        single = self.uneven.factor(log_lift)
+        single = self.uneven.factor(log_lift, rise)
         own = [rise**2 if name in self.groups else single * (name != ALL) for name in self.names]
         return np.array(own).reshape(len(own), rise.size).T
 
@@ -373,7 +413,10 @@ class ScatterModel:
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
-        tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
+        uneven = self.uneven._asdict()
+        if self.uneven.by == "force":  # what older versions can read
+            del uneven["by"]
+        tree = {name: getattr(self, name) for name in names} | {"uneven": uneven}
         tree |= {"labels": dict(self.labels)} if self.labels else {}
         tree |= {"mixtures": [one._asdict() for one in self.mixtures]} if self.mixtures else {}
         return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
@@ -394,14 +437,8 @@ class ScatterModel:
             for one in tree.get("mixtures", ())
         )
         return cls(
-            names=words,
-            levels=levels,
-            uneven=uneven,
-            labels=labels,
-            tail_dof=tail_dof,
-            mixtures=mixtures,
-            **arrays,
-        )
+            names=words, levels=levels, uneven=uneven, labels=labels, tail_dof=tail_dof, mixtures=mixtures, **arrays
+        )  # fmt: skip
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -448,7 +485,8 @@ def estimated(
     parts = _parts_of(_separable(layout, left, rise), layout, rise, full=bool(Z.shape[1]))
     known = Z @ Z.T if Z.shape[1] else np.zeros(())
     # In units of what the residuals scatter by.
-    reml = Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare)
+    by_shape = any(np.unique(layout.groups[name]).size == r.size for name in parts if name in layout.groups)
+    reml = Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare, by_shape)
     variance, at = reml.solved()
     inverse, C, adjusted = at.corrections()
     slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
@@ -545,13 +583,14 @@ def _parts_of(names: Sequence[str], layout: Layout, rise: FloatArray, *, full: b
 
 def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
     """Return what a component adds to the covariance of the cells by a variance of one; a vector for a diagonal."""
-    factor = layout.uneven.factor(layout.problem.log_lift)
+    log_lift = layout.problem.log_lift
+    factor = layout.uneven.factor(log_lift, log_lift - layout.problem.conditions.log_end_tension)
     if name == REPEAT:
         return factor / layout.size
     if name == CONDITION:
         return np.sqrt(np.outer(factor, factor)) * _same(layout.condition) if layout.nested else factor
     levels = _levels(name, layout, rise)
-    return levels @ levels.T
+    return rise**2 if levels.shape[1] == rise.size else levels @ levels.T
 
 
 def _levels(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
@@ -569,10 +608,14 @@ def _separable(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str,
     if not layout.groups:
         return found
     M = np.eye(rise.size) - left @ left.T
-    condition = _part(CONDITION, layout, rise)
-    seen = [(M @ condition @ M).ravel() if layout.nested else M.ravel()]
+
+    def beside(name: str) -> FloatArray:
+        """Return what the law leaves of a component, in one row."""
+        return np.asarray(times(_part(name, layout, rise), M).T @ M).ravel()
+
+    seen = [beside(CONDITION)]
     for name in layout.groups:
-        more = [*seen, (M @ _part(name, layout, rise) @ M).ravel()]
+        more = [*seen, beside(name)]
         gram = np.array([[one @ other for one in more] for other in more])
         size = np.sqrt(np.maximum(np.diag(gram), _TINY))
         if float(np.linalg.eigvalsh(gram / np.outer(size, size))[0]) > _SEPARABLE:

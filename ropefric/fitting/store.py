@@ -345,8 +345,6 @@ def _settings_of(stored: FitResult) -> dict[str, Any]:
     settings = {key: value for key, value in stored.provenance["settings"].items() if key not in _GONE}
     if settings.get("groups") is not None:
         settings["groups"] = tuple(settings["groups"])
-    for key in ("fixed", "start"):
-        settings[key] = {name: float(value) for name, value in settings[key].items()}
     bounds = {name: (_end(low, -inf), _end(high, inf)) for name, (low, high) in settings["bounds"].items()}
     return settings | {"bounds": bounds}
 

@@ -57,9 +57,9 @@ def _with_series(
 
 
 class PowerSpan:
-    """A stretch of wrap that starts at e^{log_start} rad and is wrap_rad long, seen through φ^b.
+    """A stretch of wrap that starts at e^{log_start} rad and is wrap_rad long, seen through φ^b of eq. (15).
 
-    The lower end enters as its logarithm and the wrap as itself: p underflows as b → −1, and p + δ loses δ.
+    The lower end enters as its logarithm and the wrap, above zero, as itself: p underflows as b → −1, and p + δ loses δ.
     """
 
     def __init__(self, log_start: npt.ArrayLike, wrap_rad: npt.ArrayLike, b: npt.ArrayLike) -> None:
@@ -85,26 +85,6 @@ class PowerSpan:
         reference = np.where(from_end, self.log_end, self.log_start)
         inward = np.where(from_end, -self.length, self.length)
         return np.asarray(self.scale * (reference * exprel(self.z) + inward * exprel_slope(self.z)))
-
-
-def power_integral(
-    wrap_rad: npt.ArrayLike,
-    a: npt.ArrayLike,
-    b: npt.ArrayLike,
-    c: npt.ArrayLike = 0.0,
-    *,
-    start_rad: npt.ArrayLike = 0.0,
-) -> FloatArray:
-    """Return ∫ (a φ^b + c) dφ over [start, start + wrap], eq. (15) in eq. (11).
-
-    Exact through b = −1, where it is a logarithm; the wrap is passed by itself because a difference of two
-    angles would lose it.
-    """
-    delta = np.asarray(wrap_rad, dtype=np.float64)
-    some = delta > 0.0
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        span = PowerSpan(np.log(start_rad), np.where(some, delta, 1.0), b)
-        return np.where(some, np.asarray(a) * span.integral() + np.asarray(c) * delta, 0.0)
 
 
 def power_log_start(y: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike) -> FloatArray:

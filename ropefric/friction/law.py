@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import SETTINGS, Conditions, as_floats
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.registry import did_you_mean
 
 Columns = tuple[FloatArray, ...]
@@ -21,7 +21,7 @@ Columns = tuple[FloatArray, ...]
 Slopes = tuple[FloatArray, ...]
 """Derivatives, each of which broadcasts to what it is a derivative of."""
 
-FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
+FROM_ZERO = "use the form of the law that counts the wrap from zero, whose name ends in -from-zero"
 """Fix where no wrap angle is equivalent to an end tension."""
 
 _LEAST_WRAP_RAD = 1e-290
@@ -282,8 +282,8 @@ class FrictionLaw:
     def log_lift_gradient_conditions(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂(R_w, φ, ln F_B), analytically.
 
-        Parameters and refusals are those of `log_lift`; ∂/∂φ does not exist where the local coefficient is
-        infinite.
+        Parameters and refusals are those of `log_lift`; ∂/∂φ is the local coefficient μ where the wrap ends, and does
+        not exist where that is infinite.
 
         Returns
         -------
@@ -292,26 +292,6 @@ class FrictionLaw:
         """
         slopes = self.physics.condition_slopes
         return self._table(theta, conditions, lambda columns: slopes(columns, conditions))
-
-    def local_mu(self, theta: npt.ArrayLike, wrap_rad: npt.ArrayLike, conditions: Conditions) -> FloatArray:
-        """Return the local coefficient μ(φ) = d ln F/dφ where the wrap ends after an angle from the slack end.
-
-        Parameters
-        ----------
-        theta : array_like, shape (p,) or (m, p)
-            Parameters.
-        wrap_rad : array_like, scalar or shape (n,)
-            Where on the wheel [rad], counted from where the rope with F_B touches; zero or more.
-        conditions : Conditions
-            n conditions; their wrap angles are not used.
-
-        Returns
-        -------
-        ndarray, shape (n,) or (m, n)
-            μ [-].
-        """
-        there = replace(conditions, wrap_angle_rad=as_floats("wrap_rad", wrap_rad))
-        return self.log_lift_gradient_conditions(theta, there)[..., 1]
 
     def average_mu(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return the average coefficient μ̄ = (ln F_A − ln F_B)/φ, eq. (2).
@@ -396,18 +376,6 @@ class FrictionLaw:
         {'a': 0.2, 'b': -0.5, 'c': 0.1}
         """
         return dict(zip(self.parameter_names, map(float, self._columns(theta)), strict=True))
-
-    def without_end_tension(self) -> "FrictionLaw":
-        """Return the law with the wrap counted from zero whatever the end tension, under its own name.
-
-        Raises
-        ------
-        InputError
-            If end tension and wrap are not coupled in this law.
-        """
-        if self.variant is None:
-            raise InputError(f"{self.name} does not count an end tension as wrap", fix="use it as it is")
-        return self.variant
 
     def calculation(self, theta: npt.ArrayLike, conditions: Conditions, index: int = 0) -> tuple[str, ...]:
         """Return the lift force of one condition as lines of arithmetic.

@@ -147,7 +147,7 @@ def prediction_section(prediction: Prediction) -> Section:
         lines.append(
             f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0], std_N)}"
         )
-    verdict = prediction.verdict()
+    verdict = prediction.verdict
     lines.append(f"{verdict.word}: {verdict.reason}")
     notes = [note for note in prediction.notes() if note not in verdict.reasons]
     if not verdict.supported and prediction.spread_N is not None:
@@ -228,7 +228,7 @@ def _worth_section(plan: LabPlan, i: int) -> Section:
         half, std_N = float(outlook.half_width_log[i]), lift_N * float(outlook.std_log[i])
         both = (lift_N * math.exp(side * half) for side in (-1.0, 1.0))
         span = ends(both, std_N) if half < 50.0 else "not determined"
-        rows.append((name, plain(std_N, ".2g"), span, str(outlook.dof)))
+        rows.append((name, plain(std_N, ".2g"), span, plain(float(outlook.dof[i]), ".3g")))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
     notes = (
         "These numbers hold for the parameters and the scatter known today. Plan again after the first tests.",

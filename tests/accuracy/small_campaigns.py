@@ -150,7 +150,7 @@ def coverage(design, n, level=0.95):
         ends = np.log([found.interval_N[0], found.prediction_interval_N[0]])
         held.append([low - 1e-12 <= truth <= high + 1e-12
                      for (low, high), truth in zip(ends, (mean, new), strict=True)]
-                    + [0.5 * float(np.ptp(ends[0])), float(found.dof[0]), found.verdict().supported])  # fmt: skip
+                    + [0.5 * float(np.ptp(ends[0])), float(found.dof[0]), found.verdict.supported])  # fmt: skip
     shares = np.mean(np.array(held, float)[:, [0, 1, 4]], axis=0).tolist()
     width, dof = np.nanmedian(np.array(held, float)[:, [2, 3]], axis=0).tolist()
     return dict(zip(("mean", "pull", "supported"), shares, strict=True)) | {"half_width": width, "dof": dof}

@@ -143,7 +143,7 @@ def test_the_law_from_zero_is_named_where_no_wrap_stands_for_an_end_tension(call
     path = table(tmp_path / "trials.csv", HEADER.replace("_deg", "_rad"), rows)
     refused = call("fit", path, "--law", "wrap-power", "--quiet")
     assert refused.code == 3
-    assert "NAME-from-zero" in refused.err
+    assert "ends in -from-zero" in refused.err
     assert call("fit", path, "--law", "wrap-power-from-zero", "--quiet").code in {0, NOT_TRUSTED}
 
 

@@ -53,7 +53,7 @@ def test_a_plan_from_a_fit_adds_to_it(call):
     more = ("--conditions", "6", "--json")
     words = ("plan-tests", "--fit", COUPLED, *RIG, *CELL, *WHEEL, *more)
     found = call(*words).json()
-    assert 20.0 < found["before"][0]["dof"] < 36.0
+    assert 31.0 < found["before"][0]["dof"] < 45.0  # errors that are stated are known for sure
     assert found["after"][0]["std_N"] < found["before"][0]["std_N"]
     assert found["scatter"]["within"] == pytest.approx(0.016, abs=2e-4)
     assert call(*words).json() == found

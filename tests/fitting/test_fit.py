@@ -79,7 +79,10 @@ def test_settings_that_cannot_be_are_refused():
     for options, error, said in (({"fixed": {"nu": 1}}, UnknownNameError, "constant has no parameter 'nu'"),
             ({"bounds": {"mu": (1, 0)}}, InputError, "leave nothing between them"),
             ({"start": {"mu": -1}}, InputError, "start value mu = -1 lies outside its bounds 0 … 5"),
-            ({"fixed": {"mu": 9}}, InputError, "mu = 9 lies outside"),
+            ({"fixed": {"mu": 9}}, InputError, "fixed value mu = 9 lies outside"),
+            *(({key: {"mu": odd}}, InputError, "mu is given as .*, not as a number")
+                for key in ("fixed", "start") for odd in ("x", None, float("nan"), [0.1])),
+            ({"bounds": {"mu": ("x", 1)}}, InputError, "not as .lower, upper"),
             ({"groups": ("rope",)}, UnknownNameError, "has no column 'rope'"),
             ({"shared": {"wraps": "rig"}}, UnknownNameError, "did you mean 'wrap'"),
             ({"shared": {"wrap": "lab"}}, UnknownNameError, "nothing called 'lab' shares an error"),

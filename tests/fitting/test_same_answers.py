@@ -132,28 +132,13 @@ def assert_same(one, other, rel, where=""):
         assert one == other, where
 
 
-@pytest.fixture(scope="module")
-def usual():
+def test_order_names_a_column_of_one_value_and_a_copy_set_aside_change_nothing():
     table = roped(repeats=6, law="wrap-power", theta=(0.25, -0.4, 0.1))
-    return table, numbers(table)
-
-
-def test_the_order_of_rows_changes_nothing(usual):
-    table, expected = usual
-    assert_same(numbers(in_order(table, np.random.default_rng(0).permutation(len(table)))), expected, 1e-4)
-
-
-def test_the_names_of_ropes_and_a_column_with_one_value_change_nothing(usual):
-    table, expected = usual
+    expected, n = numbers(table), len(table)
+    assert_same(numbers(in_order(table, np.random.default_rng(0).permutation(n))), expected, 1e-4)
     words = {"r0": "zinc", "r1": "a", "r2": "Öse 7"}
     labels = {"rope_id": tuple(words[word] for word in table.labels["rope_id"])}
-    labels |= {"operator": ("Li",) * len(table), "day": ("1",) * len(table)}
+    labels |= {"operator": ("Li",) * n, "day": ("1",) * n}
     assert_same(numbers(replace(table, labels=labels)), expected, 1e-6)
-
-
-def test_a_copy_of_a_trial_that_is_set_aside_changes_nothing(usual):
-    table, expected = usual
-    order = np.append(np.arange(len(table)), 5)
-    more = in_order(table, order)
-    kept = np.arange(len(more)) < len(table)
-    assert_same(numbers(replace(more, kept=kept)), expected, 1e-9)
+    more = in_order(table, np.append(np.arange(n), 5))
+    assert_same(numbers(replace(more, kept=np.arange(n + 1) < n)), expected, 1e-9)

@@ -1,6 +1,7 @@
 """The model of scatter: against statsmodels, closed forms, direct search of its likelihood, and by simulation."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -233,7 +234,7 @@ def test_three_ropes_count_as_three_and_each_is_known_better_than_a_new_one(rope
     assert 1.5 < fit.statistics.interval_dof < 3.5
     assert "3 ropes" in fit.notes[0]
     named, plain = rope_fits
-    assert plain["mu"].std < 0.3 * named["mu"].std
+    assert plain["mu"].std < 0.35 * named["mu"].std
 
 
 def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull(rope_fits):
@@ -277,12 +278,13 @@ def test_a_rope_that_nobody_pulled_is_refused(rope_fits):
 
 def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
     trials = roped(np.random.default_rng(2))
-    each = {"rope_id": tuple(map(str, range(len(trials)))), "operator": tuple(map(str, trials.group())),
+    group = tuple(map(str, trials.group()))
+    each = {"rope_id": tuple(map(str, range(len(trials)))), "operator": group, "mounting": group,
         "day": tuple(f"{x:g}" for x in trials.end_tension_N)}  # fmt: skip
     fit = fit_law(replace(trials, labels=each), "constant")
-    assert fit.scatter.groups == ()
+    assert fit.scatter.groups == ("mounting",)
     text = " ".join(fit.notes)
-    for said in ("rope is another one in every pull", "operator is another one in every condition",
+    for said in ("rope is another one in every pull", "operator changes only with mounting",
             "day changes only with the end tension"):  # fmt: skip
         assert said in text
 
@@ -471,23 +473,56 @@ def test_without_repeats_or_with_identical_ones_a_new_rope_scatters_like_the_con
     assert high - low == pytest.approx(2 * t * math.hypot(s, 5.0 * fit["mu"].std), rel=1e-3)
 
 
-def test_scatter_that_grows_with_the_force_is_seen_said_and_weighed():
-    """From 0.6 % at the lowest force to 3.5 % at the highest: 25 campaigns, and 40 even ones."""
+def drawn(at, rise, rng, *, by_pull, by_condition):
+    """A table of five pulls a condition, whose ln F_A scatters by so much (n,) from pull to pull and by condition."""
+    group = np.repeat(np.arange(len(at) // 5), 5)
+    both = by_pull * rng.normal(size=len(at)) + by_condition * rng.normal(size=group[-1] + 1)[group]
+    return replace(table_at(at, at.log_end_tension + rise + both), labels={"rope_id": tuple(map(str, group))})
+
+
+@pytest.mark.parametrize("kind", ["force", "rope each pull", "rope each condition", "rope each single pull"])
+def test_scatter_that_grows_is_seen_said_and_weighed(kind):
+    """From 0.6 % at the lowest force to 3.5 % at the highest; or by ropes with a μ of their own, 3 % apart.
+
+    25 campaigns each. With even scatter assumed a rope for each pull or condition held μ in 83 and 77 % of campaigns,
+    and one pull over the largest wrap in 91 and 67 %.
+    """
     rng, held, pulls, said = np.random.default_rng(5), 0, 0, 0
-    at = grid([0.03], np.linspace(1.5, 12.0, 6), [10.0, 80.0], 5)
-    law = np.log(at.end_tension_N) + 0.2 * at.wrap_angle_rad
+    at = grid([0.03], np.linspace(1.5, 18.0, 8), [10.0, 80.0], 5)
+    rise = 0.2 * at.wrap_angle_rad
+    law = at.log_end_tension + rise
     size = np.exp(np.interp(law, [law.min(), law.max()], np.log([0.006, 0.035])))
+    by_pull, by_condition, of_one = {
+        "force": (size, 0.5 * size, 0.039), "rope each pull": (np.hypot(0.03 * rise, 0.005), 0.0, 0.108),
+    }.get(kind, (0.005, 0.03 * rise, 0.108))  # fmt: skip
     for _ in range(25):
-        both = rng.normal(size=len(at)) + np.repeat(0.5 * rng.normal(size=12), 5)
-        fit = fit_law(table_at(at, law + size * both), "constant", n_starts=1)
-        found = predict(fit, wheel(12.0, end_N=80.0))
-        said += any("repeats scatter by about" in note for note in fit.notes)
+        trials = drawn(at, rise, rng, by_pull=by_pull, by_condition=by_condition)
+        if kind == "rope each single pull":
+            trials = replace(trials, kept=np.arange(len(at)) % 5 == 0)
+        fit = fit_law(trials if "condition" in kind or "single" in kind else replace(trials, labels={}), "constant",
+            n_starts=1)  # fmt: skip
+        found = predict(fit, wheel(18.0, end_N=80.0))
+        said += any(
+            "repeats scatter by about" in n or "ropes, each of which may have a μ" in n for n in fit.notes
+        )
         held += fit["mu"].ci95[0] <= 0.2 <= fit["mu"].ci95[1]
         low, high = np.log(found.prediction_interval_N[0])
-        pulls += low <= math.log(80.0) + 2.4 + 0.035 * math.hypot(1.0, 0.5) * rng.normal() <= high
+        pulls += low <= math.log(80.0) + 3.6 + of_one * rng.normal() <= high
     assert min(held, pulls, said) > 20
-    assert FitResult.from_dict(fit.to_dict()).scatter.uneven == fit.scatter.uneven
-    even = (laid_out(constant_problem(at.wrap_angle_rad, 0.01 * rng.normal(size=60), np.repeat(np.arange(12), 5)), {})
+    if not fit.scatter.groups:
+        (note,) = (note for note in fit.notes if "repeats scatter by about" in note)
+        ends = [float(word) for word in re.findall(r"([\d.]+) %", note)]
+        assert ends == pytest.approx([100 * by_pull.min(), 100 * by_pull.max()], rel=0.4)
+    assert fit.scatter.uneven.by == ("rise" if kind == "rope each pull" else "force")
+    assert fit.scatter.groups == (("rope",) if "condition" in kind or "single" in kind else ())
+    again = FitResult.from_dict(fit.to_dict())
+    assert again.scatter.uneven == fit.scatter.uneven
+    assert predict(again, wheel(18.0, end_N=80.0)).to_dict() == found.to_dict()
+
+
+def test_even_scatter_is_not_said_to_grow():
+    rng, wraps = np.random.default_rng(5), np.repeat(np.linspace(1.5, 12.0, 12), 5)
+    even = (laid_out(constant_problem(wraps, 0.2 * wraps + 0.01 * rng.normal(size=60), np.repeat(np.arange(12), 5)), {})
         for _ in range(40))  # fmt: skip
     assert sum(layout.uneven.exponent != 0.0 for layout in even) <= 1
 

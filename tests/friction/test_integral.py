@@ -68,7 +68,7 @@ def test_lift_is_the_solution_of_the_differential_equation(*, a, b, c, wrap, ten
 @given(p=st.floats(1e-3, 50), delta=st.floats(1e-3, 50), b=st.floats(-3, 2), rate=st.floats(-5, 0.2))
 def test_integrals_agree_with_quadrature(p, delta, b, rate):
     power = quad(lambda t: math.exp((b + 1) * t), math.log(p), math.log(p + delta), epsrel=1e-12, epsabs=0)[0]
-    assert float(integral.power_integral(delta, 1.0, b, start_rad=p)) == pytest.approx(power, rel=1e-9)
+    assert float(integral.PowerSpan(np.log(p), delta, b).integral()) == pytest.approx(power, rel=1e-9)
     exponential = quad(lambda t: math.exp(rate * t), 0, delta, epsrel=1e-12, epsabs=0, limit=200)[0]
     found = float(exponential_rise(np.float64(p), np.float64(delta), math.exp(-rate * p), rate, 0.0))
     assert found == pytest.approx(exponential, rel=1e-9)

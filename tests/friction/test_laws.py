@@ -44,7 +44,7 @@ def test_many_sets_have_many_rows_and_the_same_rise_alone_or_with_slopes_also_at
             assert np.array_equal(together, alone), law.name
         assert law.log_lift(sets[0], plan).shape == (216,)
         assert law.jacobian(sets, plan).shape == (6, 216, p)
-        coefficients = law.local_mu(sets, plan.wrap_angle_rad, plan), law.average_mu(sets, plan)
+        coefficients = law.log_lift_gradient_conditions(sets, plan)[..., 1], law.average_mu(sets, plan)
         assert [one.shape for one in coefficients] == [(6, 216)] * 2
         assert law.admissible(sets, plan).all()
         assert law.validity(sets, plan) == ()
@@ -54,7 +54,7 @@ def test_the_local_coefficient_is_the_slope_of_ln_f_and_the_average_one_its_mean
     h = 1e-5
     for law in ALL_LAWS.values():
         theta = typical(law)
-        local = law.local_mu(theta, plan.wrap_angle_rad, varied(plan, wrap_angle_rad=1.0))
+        local = law.log_lift_gradient_conditions(theta, plan)[:, 1]
         beyond, before = (
             law.log_lift(theta, varied(plan, wrap_angle_rad=(1 + sign * h) * plan.wrap_angle_rad))
             for sign in (1, -1)
@@ -164,10 +164,10 @@ def test_refusals_name_the_condition(plan):
     for name in ("wrap-power", "wrap-exponential", "coupled"):
         law = LAWS[name]
         with pytest.raises(
-            InputError, match=r"F_B = 0.5 N is below F_0 = 1 N.*at condition 7 .*without_end_tension"
+            InputError, match=r"F_B = 0.5 N is below F_0 = 1 N.*at condition 7 .*ends in -from-zero"
         ):
             law.log_lift(typical(law), light)
-        assert np.isfinite(law.without_end_tension().log_lift(typical(law), light)).all()
+        assert np.isfinite(law.variant.log_lift(typical(law), light)).all()
         assert law.admissible(np.stack([typical(law)] * 2), light).tolist() == [False, False]
     with pytest.raises(InputError, match=r"negative: a R_w/R_r \+ b is above 0 there.*at condition 0"):
         LAWS["coupled"].log_lift([0.2, -0.1, 1.0, -0.4, 0.1], plan)
@@ -187,8 +187,6 @@ def test_refusals_name_the_condition(plan):
         LAWS["bending"].log_lift([0.2, 1e-3], plan)
     with pytest.raises(InputError, match=r"n > 1 the tension is infinite"):
         LAWS["howell"].log_lift([0.5, 1.5], plan)
-    with pytest.raises(InputError, match="does not count an end tension"):
-        LAWS["constant"].without_end_tension()
     with pytest.raises(InputError, match="infinite where the wrap starts from nothing"):
         LAWS["wrap-power"].log_lift_gradient_conditions(
             [0.2, -0.5, 0.1], varied(EULER, wrap_angle_rad=0.0, end_tension_N=1.0)

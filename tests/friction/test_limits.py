@@ -55,7 +55,7 @@ def test_end_tension_is_wrap_in_disguise(law_name):
     first = law.log_lift(theta, pulls(wrap_angle_rad=4.0))
     second = law.log_lift(theta, pulls(wrap_angle_rad=7.0, end_tension_N=np.exp(first)))
     assert second[0] == pytest.approx(law.log_lift(theta, pulls(wrap_angle_rad=11.0))[0], rel=1e-13)
-    free = law.without_end_tension()
+    free = law.variant
     light, heavy = (free.average_mu(theta, pulls(end_tension_N=one)) for one in (3, 300))
     np.testing.assert_allclose(light, heavy, rtol=1e-13)
 

@@ -50,7 +50,7 @@ def sound(fit):
             if found.dof == 0.0:  # nothing is left to estimate a scatter from
                 assert math.isnan(found.std_N[0])
                 assert math.isnan(low)
-                assert not found.verdict().supported
+                assert not found.verdict.supported
                 continue
             assert found.std_N[0] >= 0.0
             assert low * (1 - 1e-12) <= found.lift_force_N[0] <= high * (1 + 1e-12)

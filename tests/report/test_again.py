@@ -72,7 +72,7 @@ def test_a_law_not_to_be_trusted_is_the_first_thing_to_be_read(run, without_figu
 
 def test_doubts_about_the_lift_force_alone_are_not_about_the_law(run, without_figures):
     assert run.answer.winner.verdict.supported
-    doubted = replace(run.answer.prediction, judged=Verdict(word="undecided", reasons=("it is far off",)))
+    doubted = replace(run.answer.prediction, verdict=Verdict(word="undecided", reasons=("it is far off",)))
     page = without_figures(with_prediction(run, doubted))
     first = page[page.index('<ul class="alerts">') :].split("</li>")[0]
     assert f"The lift force by {run.answer.fit.law} is undecided" in first

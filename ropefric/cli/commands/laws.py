@@ -188,7 +188,7 @@ def predict(
         shown = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(shown)
         sections.append(section.Section(title="By hand", lines=shown, verbatim=True))
-    return Answer(data, sections, exit_code_of(found.verdict()))
+    return Answer(data, sections, exit_code_of(found.verdict))
 
 
 _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),

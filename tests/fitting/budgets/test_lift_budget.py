@@ -8,7 +8,7 @@ import pytest
 from pulled import grid, table_at
 
 from ropefric.errors import InputError
-from ropefric.fitting.budgets import lift_model
+from ropefric.fitting.budgets import lift_model, state_lift
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.fitting.scatter import ALL
@@ -106,6 +106,12 @@ def test_what_cannot_be_stated_is_told(wrap_fit):
     model = lift_model(wrap_fit, WHEEL, UNSURE)
     with pytest.raises(InputError, match="9 draws"):
         propagate(model, linear_budget(model), draws=9)
+
+
+def test_a_budget_says_that_its_fit_gives_no_interval(wrap_fit):
+    one = fit_law(table_at(grid([0.04], [6.0], [20.0], 4), np.log([66.0, 66.7, 65.8, 66.3])), "constant")
+    said = [state_lift(fit, WHEEL, {"wrap_angle_rad": 0.03}, draws=10_000).notes for fit in (one, wrap_fit)]
+    assert ["the fit gives no interval" in " ".join(notes) for notes in said] == [True, False]
 
 
 def test_a_law_that_was_held_leaves_the_wheel_alone_uncertain():

@@ -11,7 +11,7 @@ from scipy import optimize, stats
 from ropefric.errors import InputError
 from ropefric.fitting.design import DesignStatus, design, design_chart, first_crossing, rising_root
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import new_rope_std, predict
+from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions
 
 FIXED = {"rope_radius_m": 0.005, "wheel_radius_m": 0.04, "wrap_angle_rad": 10.0, "end_tension_N": 20.0}
@@ -45,7 +45,8 @@ def test_round_trip(request, fixture, solve_for):
 
 def test_constant_law_on_paper(constant_fit):
     """φ μ − t √((φ s)² + σ²) = ln(L/F_B) is a quadratic in φ, with t of the effective degrees of freedom at the end."""
-    mu, s, sigma = constant_fit["mu"].value, constant_fit["mu"].std, new_rope_std(constant_fit)
+    mu, s = constant_fit["mu"].value, constant_fit["mu"].std
+    sigma = math.sqrt(np.maximum(constant_fit.scatter.variance, 0.0).sum())
     found, y, paper = constant_fit.statistics, math.log(300 / 20), math.log(300 / 20) / mu
     pulls2 = found.scatter_within**2 * (1 - found.n_conditions / found.n)
     for _ in range(30):

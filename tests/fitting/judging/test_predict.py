@@ -14,7 +14,7 @@ from scipy import optimize, stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import lift_ends, new_rope_std, predict
+from ropefric.fitting.predict import lift_ends, predict
 from ropefric.fitting.scatter import ALL
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
@@ -164,7 +164,7 @@ def test_prediction_interval_covers_new_ropes(campaign):
 def test_unknown_scatter_gives_no_prediction_interval(constant_fit):
     model = constant_fit.scatter
     bare = replace(constant_fit, trials={}, scatter=replace(model, names=tuple(ALL for _ in model.names)))
-    assert math.isnan(new_rope_std(bare))
+    assert not bare.scatter.of_pulls
     found = predict(bare, pulls([6.0]))
     assert np.isnan(found.prediction_interval_N).all()
     assert np.isfinite(found.interval_N).all()

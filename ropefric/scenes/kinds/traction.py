@@ -169,18 +169,29 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         f"friction is {tree['friction_is']}; the ropes must hold while loading and braking, and slip when stalled"
     ]
     if not all(cases[case]["passes"] for case in CASES[:-1]):
-        wrap = f"a wrap of at least {math.degrees(tree['needed_wrap_rad']):.1f} deg"
-        undercut = tree.get("needed_undercut_rad")
-        if undercut:
-            wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
-            if math.degrees(undercut) > _LARGEST_UNDERCUT_DEG:
-                wrap += " (the standard ends at 106 deg)"
-        lines.append(f"changes that would make it hold: {wrap}")
+        wrap, undercut = (_deg(tree.get(f"needed_{name}_rad")) for name in ("wrap", "undercut"))
+        changes = [] if wrap is None else [f"a wrap of at least {wrap:.1f} deg"]
+        if undercut is not None:
+            ends = " (the standard ends at 106 deg)" if undercut > _LARGEST_UNDERCUT_DEG else ""
+            changes.append(f"an undercut of at least {undercut:.1f} deg{ends}")
+        lines.append(
+            f"changes that would make it hold: {', or '.join(changes)}"
+            if changes
+            else "without friction no wrap and no undercut hold"
+        )
     if not cases["stalled"]["passes"]:
-        limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
-        lines.append(f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg")
+        limit = _deg(cases["stalled"]["wrap_limit_rad"])
+        lines.append(
+            "the ropes on the counterweight's side outweigh the car: no wrap lets them slip when stalled"
+            if limit is None
+            else f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg"
+        )
     more = {"lines": tuple(lines), "notes": (tree["note"],)}
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
+
+
+def _deg(angle_rad: float | None) -> float | None:
+    return None if angle_rad is None else math.degrees(angle_rad)
 
 
 def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:

@@ -10,6 +10,8 @@ import ropefric as rf
 from ropefric.errors import DataError, InputError
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
+from ropefric.section import as_text
+from ropefric.systems.friction import WrapFriction
 from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import (
     CASES,
@@ -61,6 +63,11 @@ def test_braking_upward_fails_and_what_would_mend_it(answer):
     for more in ({"undercut_rad": answer.needed_undercut_rad}, {"wrap_angle_rad": answer.needed_wrap_rad}):
         mended = solved(**more)
         assert mended.utilisation[:3].max() == pytest.approx(1.0, rel=1e-12)
+    # The plain groove holds while loading, and an undercut is needed for braking alone.
+    rough = solved(friction=WrapFriction.constant(0.12))
+    assert rough.undercut_limit_rad[0, 0] == 0.0
+    mended = solved(friction=WrapFriction.constant(0.12), undercut_rad=rough.needed_undercut_rad)
+    assert mended.utilisation[:3].max() == pytest.approx(1.0, rel=1e-12)
 
 
 def test_v_grooves():
@@ -195,6 +202,8 @@ def test_what_the_standard_excludes_is_said_to_be_outside_it(tmp_path):
 
 
 def test_without_friction_no_wrap_is_enough(tmp_path):
-    found = rf.solve(scene(tmp_path, "# [friction]\n", "[friction]\nmu = 0\n")).to_dict()
+    solution = rf.solve(scene(tmp_path, "# [friction]\n", "[friction]\nmu = 0\n"))
+    found = solution.to_dict()
     assert found["needed_wrap_rad"] is None
+    assert "no wrap and no undercut hold" in as_text(solution.scene.kind.sections(found))
     assert all(not found["cases"][case]["passes"] for case in ("loading", "braking-up", "braking-down"))

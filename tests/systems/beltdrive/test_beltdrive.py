@@ -14,6 +14,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
+from ropefric.section import as_text
 from ropefric.systems.beltdrive.drive import (
     DriveModel,
     DriveProblem,
@@ -171,7 +172,17 @@ def test_too_much_power_slips(tmp_path):
     solution = rf.solve(scene(tmp_path, old='"120 kW"', new='"200 kW"'))
     assert not solution.stands
     assert any("the belts slip" in words for words in solution.warnings)
-    assert solution.to_dict()["belts"] == 3
+    tree = solution.to_dict()
+    assert tree["belts"] == 3
+    # How fast a slipping pulley turns, creep does not say.
+    assert tree["creep"] == {"speed_ratio": None, "power_lost_W": None}
+    assert tree["pulleys"]["driven"]["speed_rad_s"] is None
+    said = as_text(solution.scene.kind.sections(tree))
+    assert "for the power asked for: T1 = 5250 N" in said
+    assert "creep:" not in said
+    idle = rf.solve(scene(tmp_path, old='"120 kW"', new='"0 W"')).to_dict()
+    assert idle["utilisation"] == 0.0
+    assert idle["at_work"]["slack_N"] == idle["at_work"]["tight_N"] == 5250.0
 
 
 def test_a_band_brake_both_ways(tmp_path):
@@ -209,7 +220,7 @@ def test_bad_keys_are_refused_by_name(tmp_path):
         ('"5250 N"', "5250", '"5250 N"'),
         ("count           = 2", "count = 2.5", "whole number from 1 to 1000"),
         ("groove_angle ", "grove_angle ", "did you mean 'groove_angle'"),
-        ('"30 deg"', '"200 deg"', "more than half a turn"),
+        ('"30 deg"', '"200 deg"', "a groove of 200 deg from flank to flank is no wedge"),
         ('"1500 rpm"', '"9000 rpm"', "lifts off the pulley"),
         ('"auto"', '["crep"]', "did you mean 'creep'"),
         ('axial_stiffness = "400 kN"', "", "cannot be simulated without belt.axial_stiffness"),

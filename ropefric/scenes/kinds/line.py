@@ -361,10 +361,13 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
         if "elongation_at_start_m" in both:
             drawn = " and ".join(f"{1e3 * both[f'elongation_at_{end}_m']:.4g} mm" for end in ("start", "end"))
             yield f"the jacks at start and end draw out {drawn}"
-    for one in tree.get("anchored", ()):
+    stressed = (
+        ("start", "end") if "both_ends" in tree else ("end" if tree["direction"] == "pull" else "start",)
+    )
+    for end, one in zip(stressed, tree.get("anchored", ()), strict=False):
         yield (
-            f"after the slip the anchorage has {one['anchor_N']:.5g} N and the tendon {one['largest_N']:.5g} N at most, "
-            f"{one['affected_m']:.4g} m away"
+            f"after the slip the anchorage at the {end} has {one['anchor_N']:.5g} N and the tendon "
+            f"{one['largest_N']:.5g} N at most, {one['affected_m']:.4g} m away"
         )
 
 

@@ -84,6 +84,10 @@ def test_a_slope_is_uphill_in_the_direction_from_start_to_end(answer_of):
                 for slope in ("20 deg", "-20 deg"))  # fmt: skip
     lifted = 2.0 * 9.80665 * 40.0 * math.sin(math.radians(20.0))
     assert (up, down) == pytest.approx((400.0 + lifted, 400.0 - lifted), rel=1e-14)
+    # Beyond the vertical the floor carries the rope as on the other side of it.
+    steep, overhung = (answer_of({**HILL, "slope": slope}, line=pulled(), rope=ROPE, friction={"mu": 0.3})["tension_N"]
+                       for slope in ("80 deg", "100 deg"))  # fmt: skip
+    assert overhung == pytest.approx(steep, rel=1e-13)
 
 
 def test_the_other_end_is_the_same_line_written_in_reverse(answer_of):
@@ -236,6 +240,7 @@ def test_a_rope_that_would_have_to_push_is_a_failure_with_its_place(line_of):
     solution = solve_scene(line_of(down, BEND, line=pulled("100 N"), rope=ROPE, friction={"mu": 0.2}))
     assert not solution.stands
     assert re.search(r"shaft: the rope would have to push: lowest tension in N -\d+", solution.failures[0])
+    assert solution.to_dict()["elements"][1]["normal_N_m"] == 0.0
 
 
 def test_limits_of_side_pressure_and_tension_are_kept_or_said(answer_of):
@@ -293,7 +298,9 @@ def test_numbers_of_elements_can_be_swept_and_drawn(line_of):
     single_N = [one.to_dict()["hand_tension_N"] for one in single]
     assert swept.columns["hand_tension_N"] == pytest.approx(single_N)
     assert "elements.0.tension_out_N" in swept.columns
-    drawn = draw_scene(scene, 80, seed=1).columns["hand_tension_N"]
+    draws = draw_scene(scene, 80, seed=1)
+    drawn = draws.columns["hand_tension_N"]
+    assert draws.numbers["start_tension_N"] == (400.0, 400.0, 0.0, (400.0,) * 3)
     tables = {"line": pulled(), "rope": ROPE, "friction": {"mu": 0.3}}
     ends = [solve_scene(line_of({**BEND, "angle": f"{one} deg"}, HILL, **tables)) for one in (65.0, 75.0)]
     low, high = (one.to_dict()["hand_tension_N"] for one in ends)

@@ -136,7 +136,6 @@ def law_effects(
     wheel: str,
     rope: str,
     needs: Callable[[Any], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005  (needs nothing)
-    cost: float = 0.0,
     *,
     tension: str = "",
 ) -> tuple[Effect, ...]:
@@ -156,6 +155,6 @@ def law_effects(
         words |= {"wrap-dependence": whole}
         words |= {"end-tension": (tension, "the coefficient at the reference end tension")}
     return tuple(
-        Effect(name, f"a coefficient that depends on {what}", instead, needs=needs, cost=cost)
+        Effect(name, f"a coefficient that depends on {what}", instead, needs=needs)
         for name, (what, instead) in words.items()
     )

@@ -287,7 +287,8 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         "tension_N": tension_N,
         "elements": elements,
     }
-    tree |= {} if answer.other_end is None else {"from_other_end": _from_other_end(answer)}
+    if answer.other_end is not None:
+        tree["from_other_end"] = _from_other_end(answer.other_end, problem.elements)
     if answer.stressed is not None:
         both = answer.stressed
         tree["both_ends"] = {"least_at_m": float(both.least_at_m[0])}
@@ -303,12 +304,9 @@ def _anchored(one: Any) -> dict[str, Any]:
     return {"tension_N": one.tension_N[:, 0].tolist()} | found
 
 
-def _from_other_end(answer: LineAnswer) -> dict[str, Any]:
+def _from_other_end(other: FloatArray, elements: tuple[Element, ...]) -> dict[str, Any]:
     """Return the largest side pressure where the rope is pulled from the other end."""
-    other = answer.other_end
-    if other is None:
-        return {}
-    radii = [getattr(one, "radius_m", None) for one in reversed(answer.model.problem.elements)]
+    radii = [getattr(one, "radius_m", None) for one in reversed(elements)]
     pressures = [max(other[i, 0], other[i + 1, 0]) / radius for i, radius in enumerate(radii) if radius]
     return {"normal_N_m": kind.finite(max(pressures))} if pressures else {}
 

@@ -169,29 +169,20 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         f"friction is {tree['friction_is']}; the ropes must hold while loading and braking, and slip when stalled"
     ]
     if not all(cases[case]["passes"] for case in CASES[:-1]):
-        wrap, undercut = (_deg(tree.get(f"needed_{name}_rad")) for name in ("wrap", "undercut"))
-        changes = [] if wrap is None else [f"a wrap of at least {wrap:.1f} deg"]
-        if undercut is not None:
-            ends = " (the standard ends at 106 deg)" if undercut > _LARGEST_UNDERCUT_DEG else ""
-            changes.append(f"an undercut of at least {undercut:.1f} deg{ends}")
-        lines.append(
-            f"changes that would make it hold: {', or '.join(changes)}"
-            if changes
-            else "without friction no wrap and no undercut hold"
-        )
+        needed = [("a wrap", tree["needed_wrap_rad"]), ("an undercut", tree.get("needed_undercut_rad"))]
+        changes = [
+            f"{what} of at least {math.degrees(one):.1f} deg" for what, one in needed if one is not None
+        ]
+        if changes and math.degrees(needed[1][1] or 0.0) > _LARGEST_UNDERCUT_DEG:
+            changes[-1] += " (the standard ends at 106 deg)"
+        lines.append(f"changes that would make it hold: {', or '.join(changes) or 'none, without friction'}")
     if not cases["stalled"]["passes"]:
-        limit = _deg(cases["stalled"]["wrap_limit_rad"])
-        lines.append(
-            "the ropes on the counterweight's side outweigh the car: no wrap lets them slip when stalled"
-            if limit is None
-            else f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg"
-        )
+        limit = cases["stalled"]["wrap_limit_rad"]
+        most = "none, the ropes outweigh the car"
+        most = most if limit is None else f"a wrap of at most {math.degrees(limit):.1f} deg"
+        lines.append(f"change that would make it slip when stalled: {most}")
     more = {"lines": tuple(lines), "notes": (tree["note"],)}
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
-
-
-def _deg(angle_rad: float | None) -> float | None:
-    return None if angle_rad is None else math.degrees(angle_rad)
 
 
 def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:

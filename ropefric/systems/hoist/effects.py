@@ -51,7 +51,7 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
 EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        *law_effects("wheel", "rope", cost=1e-7, tension="the end tension (as equivalent wrap)"),
+        *law_effects("wheel", "rope", tension="the end tension (as equivalent wrap)"),
         Effect(
             name="rope-weight",
             adds="the weight of the rope that hangs from the slack side, on top of the end tension",

@@ -205,5 +205,5 @@ def test_without_friction_no_wrap_is_enough(tmp_path):
     solution = rf.solve(scene(tmp_path, "# [friction]\n", "[friction]\nmu = 0\n"))
     found = solution.to_dict()
     assert found["needed_wrap_rad"] is None
-    assert "no wrap and no undercut hold" in as_text(solution.scene.kind.sections(found))
+    assert "make it hold: none, without friction" in as_text(solution.scene.kind.sections(found))
     assert all(not found["cases"][case]["passes"] for case in ("loading", "braking-up", "braking-down"))

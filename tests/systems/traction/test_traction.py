@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.section import as_text
@@ -139,30 +138,6 @@ def test_a_fit_brings_its_interval(tmp_path):
     assert cases["stalled"]["utilisation"] == 0.0
     assert "utilisation_std" not in cases["stalled"]
     assert cases["loading"]["utilisation_std"] > 0.0
-
-
-def test_bad_keys_are_refused_by_name(tmp_path):
-    for old, new, words in [
-        ('groove       = "undercut"', 'groove = "undercutt"', "did you mean 'undercut'"),
-        ('undercut     = "90 deg"', "", "undercut does not fit the groove undercut"),
-        ('groove       = "undercut"', 'groove = "v-hardened"', "undercut does not fit the groove v-hardened"),
-        ('"700 kg"', "700", '"700 kg"'),
-        ("count          = 4", "count = 0", "whole number from 1 to 100"),
-        ("above_car ", "abov_car ", "did you mean 'above_car'"),
-        ('"90 deg"', '"150 deg"', "nothing is left to carry the rope"),
-        ('"0.5 m/s^2"', '"9.9 m/s^2"', "without tension"),
-        ('"auto"', '["wrap-dependence"]', "cannot be simulated without friction"),
-        ('"auto"', '["sped"]', "did you mean 'speed'"),
-    ]:
-        assert old in scene_text("traction"), old
-        with pytest.raises(DataError, match=words) as caught:
-            rf.solve(scene(tmp_path, old, new))
-        assert caught.value.problem.line is not None, old
-
-
-def test_angles_of_no_groove_are_refused():
-    with pytest.raises(InputError, match="groove_angle_rad"):
-        solved(groove_angle_rad=4.0)
 
 
 def test_the_chart_shows_what_is_held_and_what_is_asked(tmp_path):

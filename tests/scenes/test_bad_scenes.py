@@ -131,8 +131,9 @@ MISTAKES = {
 }  # fmt: skip
 
 
-CODES = {"did you mean": "RF120 RF520", "has no angle": "RF120", "unknown": "RF120", "both given": "RF111", "known at": "RF121",
-         "not zero or more": "RF110", "needs": "RF121", "add ": "RF121", "not a unit": "RF130"}  # fmt: skip
+CODES = {"did you mean": "RF120 RF520", "has no angle": "RF120", "unknown": "RF120", "both given": "RF111",
+         "known at": "RF121", "needs": "RF121", "add ": "RF121", "not zero or more": "RF110",
+         "not a unit": "RF130"}  # fmt: skip
 
 
 def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):

@@ -295,13 +295,16 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         if answer.stretches and problem.axial_stiffness_N is not None:
             drawn_m = both.elongation_N_m[:, 0] / problem.axial_stiffness_N[0]
             tree["both_ends"] |= {"elongation_at_start_m": drawn_m[0], "elongation_at_end_m": drawn_m[1]}
-    tree |= {"anchored": [_anchored(one) for one in answer.anchored]} if answer.anchored else {}
+    if answer.anchored:
+        names, pairs = (
+            ("anchor_N", "largest_N", "affected_m"),
+            zip(answer.jacks, answer.anchored, strict=True),
+        )
+        tree["anchored"] = [
+            {"at": end, "tension_N": one.tension_N[:, 0].tolist()} | kind.first(one, *names)
+            for end, one in pairs
+        ]
     return tree
-
-
-def _anchored(one: Any) -> dict[str, Any]:
-    found = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
-    return {"tension_N": one.tension_N[:, 0].tolist()} | found
 
 
 def _from_other_end(other: FloatArray, elements: tuple[Element, ...]) -> dict[str, Any]:
@@ -359,12 +362,9 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
         if "elongation_at_start_m" in both:
             drawn = " and ".join(f"{1e3 * both[f'elongation_at_{end}_m']:.4g} mm" for end in ("start", "end"))
             yield f"the jacks at start and end draw out {drawn}"
-    stressed = (
-        ("start", "end") if "both_ends" in tree else ("end" if tree["direction"] == "pull" else "start",)
-    )
-    for end, one in zip(stressed, tree.get("anchored", ()), strict=False):
+    for one in tree.get("anchored", ()):
         yield (
-            f"after the slip the anchorage at the {end} has {one['anchor_N']:.5g} N and the tendon "
+            f"after the slip the anchorage at the {one['at']} has {one['anchor_N']:.5g} N and the tendon "
             f"{one['largest_N']:.5g} N at most, {one['affected_m']:.4g} m away"
         )
 
@@ -381,10 +381,9 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     if answer.other_end is not None and np.isfinite(answer.other_end).all():
         lines.append(Line("pulled from the other end", places, answer.other_end[::-1, 0]))
     if answer.anchored:
-        at_end = [False, True] if both is not None else [problem.pulled]
         turns = [
-            (places[-1] - one.affected_m[0] if end else one.affected_m[0], one.largest_N[0])
-            for one, end in zip(answer.anchored, at_end, strict=True)
+            (places[-1] - one.affected_m[0] if end == "end" else one.affected_m[0], one.largest_N[0])
+            for end, one in zip(answer.jacks, answer.anchored, strict=True)
         ]
         after_N = np.min([one.tension_N[:, 0] for one in answer.anchored], axis=0)
         lines.append(_line("after the slip of the anchorage", places, after_N, least + turns))

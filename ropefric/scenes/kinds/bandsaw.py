@@ -1,7 +1,6 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -18,7 +17,6 @@ from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, ans
 from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.saw import Excitation, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
-from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 
@@ -273,8 +271,7 @@ def _failures(answer: SawAnswer, problem: SawProblem) -> tuple[kind.Failure, ...
         # Where the accuracy of the frequencies leaves it open, they are found to ten digits.
         close = np.abs(apart - 1.0) <= answer.accuracy
         if close.any():
-            given = {name: getattr(problem, name) for name in rules_of(SawProblem)}
-            some = replace(problem, **{name: one[close] for name, one in given.items() if one is not None})
+            some = problem.select(close)
             apart[close] = _apart(solve_saw(assemble(SYSTEM, some, answer.model.effects)), some)
         words, measure = "a mode is nearer to what shakes it than the margin wanted", "distance over that"
         found.append(kind.Failure(words, measure, apart, apart < 1.0, counted=True))

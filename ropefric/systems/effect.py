@@ -105,6 +105,12 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
+def stiff_law(problem: Any) -> tuple[str, ...]:
+    """Return what stands against the stiffness of a rope as an effect: a law that has it already."""
+    twice = problem.friction is not None and "bending-stiffness" in problem.friction.law.effects
+    return ("friction.law (bending has the stiffness in it already)",) if twice else ()
+
+
 def applicable(effects: Mapping[str, Effect], problem: Any) -> dict[str, Effect]:
     """Return the effects for which a problem says all they need, by name and in their order."""
     return {name: one for name, one in effects.items() if not one.needs(problem)}

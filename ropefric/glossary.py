@@ -3,6 +3,7 @@
 from enum import StrEnum
 from typing import NamedTuple, Self
 
+from ropefric.quantities import split_unit_suffix
 from ropefric.registry import Registry
 
 
@@ -53,6 +54,10 @@ GLOSSARY: Registry[Term] = Registry(
         Term("preload_N", "F", "N", "Preload"),
         Term("mu_required", "", "-", "Friction coefficient at which slip begins"),
         Term("power_W", "P", "W", "Power"),
+        Term("full_power_W", "", "W", "Largest power"),
+        Term("torque_N_m", "M", "N m", "Torque"),
+        Term("reversed_torque_N_m", "", "N m", "Torque turning the other way"),
+        Term("normal_N_m", "", "N/m", "Side pressure"),
     ],
 )
 """Every quantity by name."""
@@ -67,21 +72,36 @@ def axis_label(name: str) -> str:
     return f"{text} [{term.unit}]" if term.unit else text
 
 
+def without_unit(name: str) -> tuple[str, str]:
+    """Return a number's name without its unit, and the unit.
+
+    >>> [without_unit(name) for name in ("torque_N_m", "normal_N_m", "hand_tension_N", "advantage")]
+    [('torque', 'N m'), ('normal', 'N/m'), ('hand_tension', 'N'), ('advantage', '')]
+    """
+    last = name.rpartition(".")[2]
+    if last not in GLOSSARY:
+        return split_unit_suffix(name)
+    unit = GLOSSARY[last].unit.removeprefix("-")
+    return name.removesuffix("_" + unit.replace("/", "_").replace(" ", "_")), unit
+
+
 def answer_label(name: str) -> str:
     """Return the words for a number of an answer, with its unit, by its path such as "slip.2.utilisation".
 
     >>> [answer_label(name) for name in ("effective_tension_N.3", "slip.2.utilisation", "slip.2.as_plotted")]
     ['Effective tension 3 [N]', 'Friction used, slip 2', 'as plotted, slip 2']
+    >>> answer_label("elements.0.tension_out_N")
+    'tension out, elements 0 [N]'
     """
     first, *_ = parts = name.split(".")
     key = parts[-1] if parts[-1] in GLOSSARY or first not in GLOSSARY else first
     others = " ".join(part for part in parts if part != key)
-    if key not in GLOSSARY:
-        return f"{key.replace('_', ' ')}, {others}" if others else name
-    term = GLOSSARY[key]
-    unit = f" [{term.unit}]" if term.unit not in {"", "-"} else ""
+    if key not in GLOSSARY and not others:
+        return name
+    words, unit = without_unit(key)
+    words = GLOSSARY[key].meaning.partition(";")[0] if key in GLOSSARY else words.replace("_", " ")
     comma = "" if key == first or not others else ","
-    return f"{term.meaning.partition(';')[0]}{comma} {others}".rstrip() + unit
+    return f"{words}{comma} {others}".rstrip() + (f" [{unit}]" if unit else "")
 
 
 def counted(n: int, noun: str) -> str:

@@ -64,12 +64,16 @@ _USUAL: dict[str, dict[str, float]] = {
 }
 """Factors that nearly every file needs, so that nearly none has to wait for pint; its own, to the last bit."""
 
-_GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa"}
+_HAS_ANGLE = {"rad": True, "rad/s": True, "Hz": False, "": False}
+"""Whether units of such a quantity have an angle in them: pint takes a radian for 1, and so 25 1/s for 25 rad/s."""
+
+_GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa", "rev": "turn"}
 # A gon or a gigaradian to pint, a degree to whoever writes German.
 _GUARDED |= dict.fromkeys(("grad", "Grad", "GRAD"), "deg' or 'gon")
 _SI_UNITS = (
     *("m", "N", "s", "V", "Pa", "kg", "m^2", "m^3", "rad", "", "Hz", "m/s", "m/s^2", "kg/m", "N/m"),
     *("N*s", "N*m", "N/s", "N/V", "V/N", "m/V", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
+    *("rad/s", "1/m", "kg*m^2", "N*s/m"),
 )
 _SUFFIXES = sorted(SUFFIX_UNITS, key=len, reverse=True)
 
@@ -176,11 +180,15 @@ def _factor_by_pint(unit: str, si_unit: str) -> float | Literal["dimension", "te
     registry = _registry()
     try:
         # Differences, not temperatures: no name in this package is an offset unit.
-        magnitude = float(registry.Quantity(1.0, unit or "").to(si_unit or "").magnitude)
+        one = registry.Quantity(1.0, unit or "")
+        magnitude = float(one.to(si_unit or "").magnitude)
+        has_angle = "radian" in dict(one.to_root_units().unit_items())
     except pint.DimensionalityError:
         return "dimension"
     except Exception:  # noqa: BLE001  (pint raises its own, tokenize's and assertion errors for unreadable text)
         return "unknown"
+    if has_angle != _HAS_ANGLE.get(si_unit, has_angle):
+        return "dimension"
     if not in_range(magnitude) or magnitude == 0.0:
         return "unknown"
     # Exact decimal factors survive only if the rounding of pint's own chain is taken off; angles have none.
@@ -308,12 +316,12 @@ def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str
 
 _DIMENSIONS = {
     "m": "length", "N": "force", "rad": "angle", "s": "time", "Hz": "frequency", "V": "voltage",
-    "kg/m": "mass per length", "kg": "mass", "m/s": "speed", "N/m": "stiffness", "N m": "torque",
+    "kg/m": "mass per length", "kg": "mass", "rad/s": "rotation", "m/s": "speed", "N/m": "stiffness", "N m": "torque",
     "": "a bare ratio",
 }  # fmt: skip
 
 
 def example_unit(si_unit: str) -> str:
     """Return a unit that people write such quantities in."""
-    known = {"m": "mm", "rad": "deg", "kg/m": "g/m", "": "%"}
+    known = {"m": "mm", "rad": "deg", "rad/s": "rpm", "kg/m": "g/m", "": "%"}
     return known.get(si_unit, si_unit)

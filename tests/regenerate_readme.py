@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
-from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
+from ropefric.accuracy.measure import error_table, measure_studies, this_machine
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies.picks import PICKERS
 from ropefric.accuracy.studies.press_transient import rk4_limit_s, start_up
@@ -41,6 +41,12 @@ _DPI = 80
 _PERCENT = "\N{NO-BREAK SPACE}%"
 # Below this an error is rounding, which every processor and every version of SciPy does in its own way.
 _FLOOR = 1e-13
+
+
+def enough(study, accuracy, case="", *, method=""):
+    """Return the setting of the least work with an error of at most `accuracy`, the same on every machine."""
+    good = [row for row in error_table(study, case, method=method) if row.error <= accuracy]
+    return min(good, key=lambda row: (row.evaluations, row.error))
 
 
 def cost_block(machine: str) -> str:

@@ -147,12 +147,6 @@ def error_table(study: str, case: str = "", *, method: str = "") -> tuple[Measur
     return tuple(_assessed(chosen.name, one) for one in _settings(chosen) if method in {"", one.method})
 
 
-def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> Measured:
-    """Return the setting of the least work with an error of at most `accuracy`, the same on every machine."""
-    good = [row for row in error_table(study, case, method=method) if row.error <= accuracy]
-    return min(good, key=lambda row: (row.evaluations, row.error))
-
-
 @cache
 def _settings(case: Case) -> tuple[Setting, ...]:
     return case.settings()

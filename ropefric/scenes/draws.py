@@ -271,6 +271,8 @@ def draw_scene(
                 mean, ends = float(known.mean()), tuple(np.quantile(known, at).tolist())
             if known.size > 1:
                 std = float(known.std(ddof=1))
+            if known.size > 1 and np.ptp(known) == 0.0:  # the sum of many equal numbers is rounded
+                mean, std = float(known[0]), 0.0
         numbers[name] = Drawn(values.get(name, math.nan), mean, std, ends)
     asked: dict[str, Any] = {"system": kind.name, "count": count, "seed": seed, "level": level}
     doubts = () if scene.source is None else scene.source.warnings

@@ -397,8 +397,9 @@ class Failure(NamedTuple):
         return f"{self.words}: {self.measure} {float(self.value[np.argmax(self.fails) if case is None else case]):.3g}"
 
     def is_open(self, error: FloatArray | float) -> BoolArray:
-        """Return where a measure that errs by a share may be on either side of its limit."""
-        return np.asarray(np.abs(self.value - self.limit) <= error * np.abs(self.value))
+        """Return where a measure that errs by a share may be on either side of its limit; an infinite one does not."""
+        near = np.abs(self.value - self.limit) <= error * np.abs(self.value)
+        return np.asarray(near & np.isfinite(self.value))
 
 
 LARGEST_STRAIN = 0.1

@@ -15,8 +15,8 @@ from ropefric.errors import RopefricError
 from ropefric.fitting.predict import REGRESSORS, has_interval, outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
+from ropefric.glossary import without_unit
 from ropefric.plugins import provenance
-from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite, value_at
 from ropefric.scenes.plan import Plan, method_tree, nearly_whole, solve_planned
 from ropefric.scenes.scene import Scene, placed
@@ -84,7 +84,7 @@ class Solution(Shown):
 
     def _more_said(self) -> Iterator[tuple[str, str]]:
         for row in self._numbers():
-            name, unit = split_unit_suffix(row["quantity"])
+            name, unit = without_unit(row["quantity"])
             yield name.replace("_", " "), in_words(row["value"], unit, row["std"])
 
     scene: Scene

@@ -1,9 +1,9 @@
 """Numbers that people give: finite, of the right sign, of a size that a machine has, and of one length."""
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -75,6 +75,13 @@ class Cases:
                 raise InputError(f"{name} has {array.ndim} axes; it has one, of its cases", key=name)
             object.__setattr__(self, name, np.broadcast_to(array, shape))
         object.__setattr__(self, "n", shape[0])
+
+    def select(self, index: npt.ArrayLike) -> Self:
+        """Return the cases at an index array or boolean mask, in that order."""
+        values = {name: getattr(self, name) for name in rules_of(type(self))}  # type: ignore[arg-type]  # a class is hashable
+        return replace(
+            self, **{name: one[np.asarray(index)] for name, one in values.items() if one is not None}
+        )
 
     def product(self, *names: str) -> FloatArray:
         """Return the product of quantities, shape (n,); zero where one of them is not given."""

@@ -105,6 +105,12 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
+def stiff_law(problem: Any) -> tuple[str, ...]:
+    """Return what stands against the stiffness of a rope as an effect: a law that has it already."""
+    twice = problem.friction is not None and "bending-stiffness" in problem.friction.law.effects
+    return ("friction.law (bending has the stiffness in it already)",) if twice else ()
+
+
 def applicable(effects: Mapping[str, Effect], problem: Any) -> dict[str, Effect]:
     """Return the effects for which a problem says all they need, by name and in their order."""
     return {name: one for name, one in effects.items() if not one.needs(problem)}
@@ -136,7 +142,6 @@ def law_effects(
     wheel: str,
     rope: str,
     needs: Callable[[Any], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005  (needs nothing)
-    cost: float = 0.0,
     *,
     tension: str = "",
 ) -> tuple[Effect, ...]:
@@ -156,6 +161,6 @@ def law_effects(
         words |= {"wrap-dependence": whole}
         words |= {"end-tension": (tension, "the coefficient at the reference end tension")}
     return tuple(
-        Effect(name, f"a coefficient that depends on {what}", instead, needs=needs, cost=cost)
+        Effect(name, f"a coefficient that depends on {what}", instead, needs=needs)
         for name, (what, instead) in words.items()
     )

@@ -1,6 +1,8 @@
 """Which setting is enough: the error side alone."""
 
-from ropefric.accuracy.measure import enough, error_table
+from regenerate_readme import enough
+
+from ropefric.accuracy.measure import error_table
 
 CASES = [("integral", "regular"), ("blade-modes", "blade")]
 

@@ -35,7 +35,8 @@ def test_what_people_write():
         assert parse_quantity(text, si_unit) == pytest.approx(value, rel=1e-15), text
     for text, value in (("490.9 mm^2", 490.9e-6), ("3 bar", 3e5), ("1 lbf", 4.4482216152605),
             ("2 kN/mm", 2e6), ("5 min", 300.0), ("0.5", 0.5), ("-1.5e-3 V", -1.5e-3),
-            ("9.80665 m/s^2", 9.80665), ("180 deg", math.pi), ("12 %", 0.12), ("2 1/min", 1 / 30),
+            ("9.80665 m/s^2", 9.80665), ("180 deg", math.pi), ("12 %", 0.12), ("2 1/min", 1 / 30), ("30 rpm", math.pi),
+            ("0.5 rad/m", 0.5), ("2 kg*m^2", 2.0), ("3 N*s/m", 3.0),
             ("1 N*mm", 1e-3), ("1.5 kNm", 1500.0), ("3 Ncm", 0.03), ("3 µm", 3e-6)):  # fmt: skip
         assert parse_any_quantity(text) == near(value), text
     for text, value in (("0.02 %FS", 2e-4), ("0.02 % FS", 2e-4), ("0.02%", 2e-4), ("1 % of full scale", 0.01),
@@ -52,7 +53,12 @@ def test_what_is_refused_and_how():
             'radius: 40 has no unit Fix: write it with one, for example "40 mm"'),
             ("5 kn", "N", "'kn' is a knot, not a force. Fix: write 'kN'"), ("5 hz", "Hz", "write 'Hz'"),
             ("540 Grad", "rad", "'Grad' is not clear as [rad]. Fix: write 'deg' or 'gon'"),
-            ("540 grad", "rad", "write 'deg' or 'gon'"), ("40 N", "m", "'N' is not a unit of length"),
+            ("540 grad", "rad", "write 'deg' or 'gon'"), ("1.5 rev", "rad", "write 'turn'"),
+            # A radian is 1 to pint: 1500 1/min would be 25 rad/s, a sixth of what was meant.
+            ("1500 1/min", "rad/s", "'1/min' is not a unit of rotation Fix: use a unit such as 'rpm'"),
+            ("25 Hz", "rad/s", "'Hz' is not a unit of rotation"), ("14 %", "rad", "'%' is not a unit of angle"),
+            ("1500 rpm", "Hz", "'rpm' is not a unit of frequency"), ("5 deg", "", "not a unit of a bare ratio"),
+            ("40 N", "m", "'N' is not a unit of length"),
             ("40,5 mm", "m", "has a decimal comma"), ("40 foos", "m", "unknown unit 'foos'"),
             ("mm", "m", "cannot read 'mm' as a number with a unit"), ("", "m", "cannot read ''"),
             (True, "m", "True is not a quantity"), (None, "m", "None is not a quantity"),

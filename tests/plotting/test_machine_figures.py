@@ -18,8 +18,10 @@ from ropefric.plotting.figure import figure_files, new_figure
 from ropefric.plotting.machines import draw_press_start_up, draw_saw_chart, draw_sweep, name_lines
 from ropefric.scenes.sweep import Axis, Sweep
 from ropefric.systems.bandsaw.answer import SawProblem, frequencies_Hz
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
 from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.effect import assemble
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up
@@ -115,7 +117,7 @@ SPEEDS = np.linspace(0.0, 60.0, 25)
 
 def saw_chart_of(saw=SAW):
     shakes = (wheel_rotation(0.35), tooth_passing(0.04), fixed_frequency("fan", 500.0))
-    return saw_chart(saw, shakes, SPEEDS, n_modes=2)
+    return saw_chart(assemble(SYSTEM, saw, SYSTEM.effects), shakes, SPEEDS, n_modes=2)
 
 
 def test_lines_are_the_modes_and_circles_the_crossings(told):
@@ -125,7 +127,7 @@ def test_lines_are_the_modes_and_circles_the_crossings(told):
     lines = [line for line in axes.lines if line.get_label() in {"tight side", "slack side"}]
     modes = [(side, mode) for side in (Side.TIGHT, Side.SLACK) for mode in (0, 1)]
     for line, (side, mode) in zip(lines, modes, strict=True):
-        wanted_Hz = frequencies_Hz(SAW, side, 2, speed_m_s=SPEEDS)[:, mode]
+        wanted_Hz = frequencies_Hz(assemble(SYSTEM, SAW, SYSTEM.effects), side, 2, speed_m_s=SPEEDS)[:, mode]
         np.testing.assert_allclose(line.get_ydata(), wanted_Hz, rtol=1e-12)
     circles = {(float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in axes.lines
         if line.get_marker() == "o"}  # fmt: skip

@@ -1,4 +1,4 @@
-"""Press and saw scenes with mistakes in them: each is refused with its line, its key and a remedy."""
+"""Scenes with mistakes in them: each is refused with its line, its key and a remedy."""
 
 import pytest
 
@@ -74,8 +74,66 @@ MISTAKES = {
         ("modes = 6", "modes = 0", "modes", "blade.modes", "from 1 to 40"),
         ('"travel"', '"bendin"', "bendin", "effects[2]", "did you mean 'bending'")
     ],
+    "traction": [
+        ('groove       = "undercut"', 'groove = "undercutt"', 'groove = "undercutt"',
+         "sheave.groove", "did you mean 'undercut'"),
+        ('undercut     = "90 deg"', "", 'groove       = "undercut"',
+         "sheave.groove", "undercut does not fit the groove undercut"),
+        ('groove       = "undercut"', 'groove = "v-hardened"', 'groove = "v-hardened"',
+         "sheave.groove", "undercut does not fit the groove v-hardened"),
+        ('"700 kg"', "700", "car           = 700", "lift.car", '"700 kg"'),
+        ("count          = 4", "count = 0", "count = 0", "ropes.count", "whole number from 1 to 100"),
+        ("above_car ", "abov_car ", 'abov_car           = "2 m"', "ropes.abov_car", "did you mean 'above_car'"),
+        ('"90 deg"', '"150 deg"', 'undercut     = "150 deg"', "sheave.undercut", "nothing is left to carry the rope"),
+        ('"35 deg"', '"181 deg"', 'groove_angle = "181 deg"', "sheave.groove_angle", "no angle of a groove"),
+        ('"0.5 m/s^2"', '"9.9 m/s^2"', 'deceleration  = "9.9 m/s', "lift.deceleration", "without tension"),
+        ('"auto"', '["wrap-dependence"]', 'effects  = ["wrap-depend',
+         "effects", "cannot be simulated without friction"),
+        ('"auto"', '["sped"]', 'effects  = ["sped"]', "effects[0]", "did you mean 'speed'")
+    ],
+    "belt-drive": [
+        ('closure = "limit"', 'closure = "limt"', 'closure = "limt"', "tension.closure", "did you mean 'limit'"),
+        ('speed    = "1500 rpm"', "", 'power = "120 kW"', "load.power", "load.power needs driving.speed"),
+        ('"5250 N"', "5250", "force   = 5250", "tension.force", '"5250 N"'),
+        ("count           = 2", "count = 2.5", "count = 2.5", "belt.count", "whole number from 1 to 1000"),
+        ("groove_angle ", "grove_angle ", 'grove_angle    = "30 deg"',
+         "belt.grove_angle", "did you mean 'groove_angle'"),
+        ('"30 deg"', '"200 deg"', 'groove_angle    = "200 d',
+         "belt.groove_angle", "of 200 deg from flank to flank is no wedge"),
+        ('"1500 rpm"', '"9000 rpm"', 'speed    = "9000 rpm"', "driving.speed", "lifts off the pulley"),
+        ('"1500 rpm"', '"1500 1/min"', 'speed    = "1500 1/min"', "driving.speed", "use a unit such as 'rpm'"),
+        ('"auto"', '["crep"]', 'effects  = ["crep"]', "effects[0]", "did you mean 'creep'"),
+        ('"auto"', '["bending"]', 'effects  = ["bending"]', "effects[0]", "unknown effect of a belt drive"),
+        ("mu = 0.12", "mu = 90", 'wrap     = "180 deg"', "driving.wrap", "no ratio of tensions")
+    ],
+    "cable-pull": [
+        ('kind = "bend"', 'kind = "bent"', 'kind = "bent"', "element[1].kind", "did you mean 'bend'?"),
+        ('length = "45 m"', "", "[[element]]", "element[0]", "a run needs its length"),
+        ('length = "45 m"', 'length = "45 m"\nangle = "1 rad"', 'angle = "1 rad"',
+         "element[0].angle", "a run has no angle"),
+        ('angle = "90 deg"', "angle = 90", "angle = 90", "element[1].angle", '"90 deg"'),
+        ('radius = "0.9 m"', 'radus = "0.9 m"', 'radus = "0.9 m"', "element[1].radus", "did you mean 'radius'?"),
+        ('"run"\nname = "manhole to street"\nlength = "45 m"',
+         '"bend"\nangle = "1 rad"\nnormal_limit = "1 kN/m"', "[[element]]", "element[0]", 'add radius = "300'),
+        ('start_tension = "50 lbf"', "", "[line]", "line.start_tension", "known at neither end"),
+        ('start_tension = "50 lbf"', 'start_tension = "50 lbf"\nend_tension = "9 N"', 'end_tension = "9 N"',
+         "line.end_tension", "both given"),
+        ('start_tension = "50 lbf"', 'start_tension = "-50 lbf"', 'start_tension = "-50 lbf"',
+         "line.start_tension", "not zero or more"),
+        ('start_tension = "50 lbf"', 'start_tension = "50 lbf"\npull = "9 N"', 'pull = "9 N"',
+         "line.pull", "drums with a share"),
+        ('tension_limit = "4 kN"', 'anchorage_slip = "1 mm"', 'anchorage_slip = "1 mm"',
+         "line.anchorage_slip", "needs rope.axial_stiffness"),
+        ("[friction]\nmu = 0.3", "", "[[element]]", "element.0", "no friction is given for"),
+        ("mu = 0.3", "mu = -0.3", "mu = -0.3", "friction.mu", "not zero or more")
+    ],
     "climbing-hoist": [('end_tension = "80 N"', "", "[load]", "load.end_tension", "for the payload")]
 }  # fmt: skip
+
+
+CODES = {"did you mean": "RF120 RF520", "has no angle": "RF120", "unknown": "RF120", "both given": "RF111",
+         "known at": "RF121", "needs": "RF121", "add ": "RF121", "not zero or more": "RF110",
+         "not a unit": "RF130"}  # fmt: skip
 
 
 def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):
@@ -90,6 +148,7 @@ def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):
         assert told is not None, mistake
         assert words in f"{told.message} {told.fix}", mistake
         assert told.line == line_of(text, there), mistake
+        assert all(told.code in codes for said, codes in CODES.items() if said in words), mistake
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,16 @@ def test_what_the_bound_does_not_cover_is_said_where_something_is_left_out(scene
     assert ("torsion is left out; its frequencies are not listed" in said) == (name == "band-saw")
 
 
+def test_what_resonates_is_of_the_blade_that_is_simulated(scene_of, loaded):
+    tree = loaded("band-saw").document.data
+    for effects in ([], ["tension-difference"], ["travel"], ["wheel-inertia-tension", "travel", "bending"]):
+        found = solve_scene(scene_of(**tree | {"effects": effects})).to_dict()
+        for one in found["resonance"]["nearest"]:
+            assert one["mode_Hz"] == pytest.approx(
+                found[one["side"]]["frequencies_Hz"][one["mode"] - 1], rel=1e-3
+            )
+
+
 def test_a_yes_or_no_that_effects_left_out_by_name_may_turn_is_said_to_be_open(hoist_of):
     rope = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "2e-3 N*m^2"}
     load, effects = {"end_tension": "80 N"}, ["wrap-dependence", "size", "end-tension"]
@@ -60,6 +70,12 @@ def test_which_roller_slips_is_open_within_the_bound_of_a_list(loaded, scene_of)
     assert f"whether the belt slips on roller {first['first_to_slip']}" in solution.undecided
     tree |= {"friction": {"mu": needed * 1.001}, "effects": "all"}
     assert not solve_scene(scene_of(**tree)).undecided
+    # Without friction the belt slips whatever is left out.
+    tree |= {"friction": {"mu": 0}, "effects": first["effects"]["simulated"]}
+    smooth = solve_scene(scene_of(**tree))
+    assert smooth.plan.left_out
+    assert smooth.failures
+    assert not smooth.undecided
 
 
 @pytest.mark.parametrize("case",

@@ -49,6 +49,8 @@ def test_what_can_be_swept_is_what_the_scene_gives(hoist_of):
 FIT = {"fit": "../../fits/prth-coupled.json"}
 SWEPT = {
     "hoist": ("wheel.wrap=200deg:2000deg:4", "rope.diameter=9.8mm,20mm"),
+    "climbing-hoist": ("load.end_tension=20N,80N,300N",),
+    "traction": ("sheave.wrap=150deg,160deg,170deg",),
     "belt-press": ("belts.upper.width=1m,1.2m",),  # point by point
     "belt-drive": ("driving.wrap=30deg,180deg,700deg", "tension.force=5250N"),
 }

@@ -9,6 +9,8 @@ import numpy as np
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
+from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 
@@ -21,6 +23,11 @@ def rows(name):
     """Return the rows of a published table."""
     with (PUBLISHED / name).open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream))
+
+
+def whole(saw):
+    """Return a saw with all its effects."""
+    return assemble(SAW, saw, SAW.effects)
 
 
 def press_data():

@@ -1,7 +1,6 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -14,11 +13,10 @@ from ropefric.files.plain_text import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
+from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, answerable, solve_saw
 from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.saw import Excitation, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
-from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 
@@ -273,8 +271,7 @@ def _failures(answer: SawAnswer, problem: SawProblem) -> tuple[kind.Failure, ...
         # Where the accuracy of the frequencies leaves it open, they are found to ten digits.
         close = np.abs(apart - 1.0) <= answer.accuracy
         if close.any():
-            given = {name: getattr(problem, name) for name in rules_of(SawProblem)}
-            some = replace(problem, **{name: one[close] for name, one in given.items() if one is not None})
+            some = problem.select(close)
             apart[close] = _apart(solve_saw(assemble(SYSTEM, some, answer.model.effects)), some)
         words, measure = "a mode is nearer to what shakes it than the margin wanted", "distance over that"
         found.append(kind.Failure(words, measure, apart, apart < 1.0, counted=True))
@@ -322,53 +319,44 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     if problem.feed_force_N is not None:
         tree["feed"] = {"force_N": float(problem.feed_force_N[0])}
     if problem.speed_m_s is not None and problem.excitations:
-        tree["resonance"] = _resonance(_simulated(answer, problem))
+        tree["resonance"] = _resonance(answer.model)
     return tree
 
 
-def _simulated(answer: SawAnswer, problem: SawProblem) -> SawProblem:
-    """Return a problem without what its answer leaves out: where a mode meets an excitation depends on that, too."""
-    parts = {
-        "tension-difference": "tension_difference_N",
-        "wheel-inertia-tension": "mounting_factor",
-        "bending": "bending_stiffness_N_m2",
-    }
-    absent: dict[str, Any] = {
-        name: None for effect, name in parts.items() if effect not in answer.model.effects
-    }
-    return replace(problem, **absent)
-
-
-def _recommended(problem: SawProblem) -> dict[str, Any] | None:
+def _recommended(model: SawModel) -> dict[str, Any] | None:
     """Return the preload that keeps the margin wanted, with advice; why there is none; None where none is asked for."""
+    problem = model.problem
     if problem.margin_wanted is None or problem.preload_range_N is None:
         return None
     wanted: dict[str, Any] = {"margin": problem.margin_wanted, "range_N": problem.preload_range_N}
     try:
-        found = resonance.recommend_preload(problem, problem.excitations, n_modes=problem.n_modes, **wanted)
+        found = resonance.recommend_preload(model, problem.excitations, n_modes=problem.n_modes, **wanted)
     except RopefricError as error:
         return {"status": "not possible", "advice": error.problem.message}
     numbers = {"preload_N": found.preload_N, "margin": found.margin}
     return numbers | {"status": found.status.value, "advice": found.status.advice}
 
 
-def _resonance(problem: SawProblem) -> dict[str, Any]:
+def _resonance(model: SawModel) -> dict[str, Any]:
+    """Return where modes and excitations meet, of the blade with what is simulated of it."""
+    problem = model.problem
     shakes, n_modes, crossings = problem.excitations, problem.n_modes, list[resonance.Crossing]()
     for side in _RUNNING:
-        crossings += resonance.find_crossings(problem, side, shakes, _speeds_m_s(problem, side), n_modes)
-    nearest = resonance.margins(problem, _RUNNING, shakes, n_modes)[:_NEAREST]
+        crossings += resonance.find_crossings(model, side, shakes, _speeds_m_s(model, side), n_modes)
+    nearest = resonance.margins(model, _RUNNING, shakes, n_modes)[:_NEAREST]
     return {
-        "recommended_preload": _recommended(problem),
+        "recommended_preload": _recommended(model),
         "nearest": [one._asdict() for one in nearest],
         "crossings": [one._asdict() | {"speed_margin": kind.finite(one.speed_margin)} for one in crossings],
     }
 
 
-def _speeds_m_s(problem: SawProblem, side: Side) -> FloatArray:
+def _speeds_m_s(model: SawModel, side: Side) -> FloatArray:
     """Return speeds from rest to half as fast again as at work, or to nearly the critical speed."""
-    static_N = problem.preload_N + side.sign * problem.pull_N
-    loose = 1.0 if problem.mounting_factor is None else max(1.0 - float(problem.mounting_factor[0]), 1e-3)
-    critical_m_s = np.sqrt(static_N / (loose * problem.linear_density_kg_m))
+    problem = model.problem
+    static_N = problem.preload_N + side.sign * model.part("tension-difference", problem.pull_N)
+    held = float(model.part("wheel-inertia-tension", problem.mounting_factor)[0])
+    critical_m_s = np.sqrt(static_N / (max(1.0 - held, 1e-3) * problem.linear_density_kg_m))
     return np.linspace(
         0.0,
         min(1.5 * max(resonance.work_speed_m_s(problem), 1.0), _FASTEST * float(critical_m_s[0])),
@@ -442,9 +430,9 @@ def _resonance_part(found: Mapping[str, Any]) -> section.Section:
 def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | None:
     if problem.speed_m_s is None or not problem.excitations:
         return None
-    seen = _simulated(answer, problem)
-    speeds = min((_speeds_m_s(seen, side) for side in _RUNNING), key=lambda one: float(one[-1]))
-    return resonance.saw_chart(seen, problem.excitations, speeds, min(problem.n_modes, 4))
+    model = answer.model
+    speeds = min((_speeds_m_s(model, side) for side in _RUNNING), key=lambda one: float(one[-1]))
+    return resonance.saw_chart(model, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
 KIND = kind.Kind(

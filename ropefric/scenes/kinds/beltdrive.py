@@ -124,7 +124,7 @@ class LoadTable(kind.Table):
     power : To be carried; left out for the largest there is.
     """
 
-    power: Annotated[float | None, kind.key("W", "7.5 kW", "power_W")] = None
+    power: Annotated[float | None, kind.key("W", "7.5 kW", "power_W", or_zero=True)] = None
 
 
 class DriveScene(kind.SceneTable):
@@ -241,10 +241,11 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     }
     if problem.driven_radius_m is not None:
         ratio = float(answer.speed_ratio[0])
-        tree["creep"] = {"speed_ratio": ratio, "power_lost_W": work_W * (1.0 - ratio)}
+        creep = {"speed_ratio": ratio, "power_lost_W": work_W * (1.0 - ratio)}
+        tree["creep"] = {name: kind.finite(value) for name, value in creep.items()}
         if problem.speed_rad_s is not None:
             gear = problem.wheel_radius_m / problem.driven_radius_m
-            tree["pulleys"]["driven"]["speed_rad_s"] = float((problem.speed_rad_s * gear)[0]) * ratio
+            tree["pulleys"]["driven"]["speed_rad_s"] = kind.finite((problem.speed_rad_s * gear)[0] * ratio)
     elif problem.closure == "tensioner":
         # Held at its slack end a band brakes by the more; the other way round it holds at the tight end.
         least = float(np.exp(-answer.exponents[0, 0]))
@@ -264,9 +265,12 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     work, best = tree["at_work"], tree.get("best")
+    use = tree.get("utilisation", 0.0)
+    slips = use is None or use > 1.0
     lines = [
         (
-            f"at work: T1 = {work['tight_N']:.5g} N, T2 = {work['slack_N']:.5g} N a belt, "
+            f"{'for the power asked for' if slips else 'at work'}: T1 = {work['tight_N']:.5g} N, "
+            f"T2 = {work['slack_N']:.5g} N a belt, "
             f"{tree['circling_N']:.4g} N of it to keep it on its circle; torque {work['torque_N_m']:.5g} N m"
         )
     ]

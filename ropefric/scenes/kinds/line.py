@@ -287,28 +287,29 @@ def _tree(answer: LineAnswer, problem: LineProblem) -> dict[str, Any]:
         "tension_N": tension_N,
         "elements": elements,
     }
-    tree |= {} if answer.other_end is None else {"from_other_end": _from_other_end(answer)}
+    if answer.other_end is not None:
+        tree["from_other_end"] = _from_other_end(answer.other_end, problem.elements)
     if answer.stressed is not None:
         both = answer.stressed
         tree["both_ends"] = {"least_at_m": float(both.least_at_m[0])}
         if answer.stretches and problem.axial_stiffness_N is not None:
             drawn_m = both.elongation_N_m[:, 0] / problem.axial_stiffness_N[0]
             tree["both_ends"] |= {"elongation_at_start_m": drawn_m[0], "elongation_at_end_m": drawn_m[1]}
-    tree |= {"anchored": [_anchored(one) for one in answer.anchored]} if answer.anchored else {}
+    if answer.anchored:
+        names, pairs = (
+            ("anchor_N", "largest_N", "affected_m"),
+            zip(answer.jacks, answer.anchored, strict=True),
+        )
+        tree["anchored"] = [
+            {"at": end, "tension_N": one.tension_N[:, 0].tolist()} | kind.first(one, *names)
+            for end, one in pairs
+        ]
     return tree
 
 
-def _anchored(one: Any) -> dict[str, Any]:
-    found = {name: float(getattr(one, name)[0]) for name in ("anchor_N", "largest_N", "affected_m")}
-    return {"tension_N": one.tension_N[:, 0].tolist()} | found
-
-
-def _from_other_end(answer: LineAnswer) -> dict[str, Any]:
+def _from_other_end(other: FloatArray, elements: tuple[Element, ...]) -> dict[str, Any]:
     """Return the largest side pressure where the rope is pulled from the other end."""
-    other = answer.other_end
-    if other is None:
-        return {}
-    radii = [getattr(one, "radius_m", None) for one in reversed(answer.model.problem.elements)]
+    radii = [getattr(one, "radius_m", None) for one in reversed(elements)]
     pressures = [max(other[i, 0], other[i + 1, 0]) / radius for i, radius in enumerate(radii) if radius]
     return {"normal_N_m": kind.finite(max(pressures))} if pressures else {}
 
@@ -363,8 +364,8 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
             yield f"the jacks at start and end draw out {drawn}"
     for one in tree.get("anchored", ()):
         yield (
-            f"after the slip the anchorage has {one['anchor_N']:.5g} N and the tendon {one['largest_N']:.5g} N at most, "
-            f"{one['affected_m']:.4g} m away"
+            f"after the slip the anchorage at the {one['at']} has {one['anchor_N']:.5g} N and the tendon "
+            f"{one['largest_N']:.5g} N at most, {one['affected_m']:.4g} m away"
         )
 
 
@@ -380,10 +381,9 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     if answer.other_end is not None and np.isfinite(answer.other_end).all():
         lines.append(Line("pulled from the other end", places, answer.other_end[::-1, 0]))
     if answer.anchored:
-        at_end = [False, True] if both is not None else [problem.pulled]
         turns = [
-            (places[-1] - one.affected_m[0] if end else one.affected_m[0], one.largest_N[0])
-            for one, end in zip(answer.anchored, at_end, strict=True)
+            (places[-1] - one.affected_m[0] if end == "end" else one.affected_m[0], one.largest_N[0])
+            for end, one in zip(answer.jacks, answer.anchored, strict=True)
         ]
         after_N = np.min([one.tension_N[:, 0] for one in answer.anchored], axis=0)
         lines.append(_line("after the slip of the anchorage", places, after_N, least + turns))

@@ -485,7 +485,7 @@ _CHANGES = {
     "preload": ("the mean preload falls to", "the mean preload rises to", "no preload holds"),
     "speed": ("the belts run no faster than", "the belts run as fast as", "no slower run of the belts holds"),
     "load": ("all loads fall by the factor", "all loads grow by the factor", "no smaller loads hold"),
-    "friction": ("the coefficient falls to", "the coefficient rises to", "no coefficient holds"),
+    "friction": ("the coefficient falls to", "the coefficient rises to", "no scaled friction holds"),
 }
 """Changes that lead to the first slip or end the last one, by what changes: it falls, it rises, nothing ends it."""
 

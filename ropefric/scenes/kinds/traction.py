@@ -169,16 +169,18 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         f"friction is {tree['friction_is']}; the ropes must hold while loading and braking, and slip when stalled"
     ]
     if not all(cases[case]["passes"] for case in CASES[:-1]):
-        wrap = f"a wrap of at least {math.degrees(tree['needed_wrap_rad']):.1f} deg"
-        undercut = tree.get("needed_undercut_rad")
-        if undercut:
-            wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
-            if math.degrees(undercut) > _LARGEST_UNDERCUT_DEG:
-                wrap += " (the standard ends at 106 deg)"
-        lines.append(f"changes that would make it hold: {wrap}")
+        needed = [("a wrap", tree["needed_wrap_rad"]), ("an undercut", tree.get("needed_undercut_rad"))]
+        changes = [
+            f"{what} of at least {math.degrees(one):.1f} deg" for what, one in needed if one is not None
+        ]
+        if changes and math.degrees(needed[1][1] or 0.0) > _LARGEST_UNDERCUT_DEG:
+            changes[-1] += " (the standard ends at 106 deg)"
+        lines.append(f"changes that would make it hold: {', or '.join(changes) or 'none, without friction'}")
     if not cases["stalled"]["passes"]:
-        limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
-        lines.append(f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg")
+        limit = cases["stalled"]["wrap_limit_rad"]
+        most = "none, the ropes outweigh the car"
+        most = most if limit is None else f"a wrap of at most {math.degrees(limit):.1f} deg"
+        lines.append(f"change that would make it slip when stalled: {most}")
     more = {"lines": tuple(lines), "notes": (tree["note"],)}
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 

@@ -102,24 +102,22 @@ class SawModel(Model[SawProblem]):
         return found
 
 
-_PARTS = frozenset({"tension-difference", "wheel-inertia-tension", "travel", "bending"})
-
-
 def span_of(
-    problem: SawProblem, side: Side, *, speed_m_s: npt.ArrayLike | None = None, **changed: npt.ArrayLike
+    model: SawModel, side: Side, *, speed_m_s: npt.ArrayLike | None = None, **changed: npt.ArrayLike
 ) -> Span:
-    """Return one side of a blade with all its parts in it; another speed and other values may be given, one or many."""
+    """Return one side of a blade; another speed and other values may be given, one or many."""
+    problem = model.problem
     if speed_m_s is not None:
         changed["wheel_speed_rad_s"] = np.asarray(speed_m_s) / problem.wheel_radius_m
-    return SawModel(problem=replace(problem, **changed), effects=_PARTS).spans[side]  # type: ignore[arg-type]
+    return replace(model, problem=replace(problem, **changed)).spans[side]  # type: ignore[arg-type]
 
 
 def frequencies_Hz(
-    problem: SawProblem, side: Side, n_modes: int = 6, *, accuracy: float = 1e-10, **changed: npt.ArrayLike
+    model: SawModel, side: Side, n_modes: int = 6, *, accuracy: float = 1e-10, **changed: npt.ArrayLike
 ) -> FloatArray:
-    """Return the first frequencies of one side of a blade with all its parts in it [Hz], shape (n, n_modes)."""
-    span = span_of(problem, side, **changed)
-    return beam_frequencies_Hz(span, problem.ends, n_modes, accuracy=accuracy)
+    """Return the first frequencies of one side of a blade [Hz], shape (n, n_modes)."""
+    span = span_of(model, side, **changed)
+    return beam_frequencies_Hz(span, model.problem.ends, n_modes, accuracy=accuracy)
 
 
 class SideAnswer(NamedTuple):

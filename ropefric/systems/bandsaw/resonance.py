@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.files.plain_text import significant
 from ropefric.glossary import AdvisedStatus
-from ropefric.systems.bandsaw.answer import SawProblem, frequencies_Hz
+from ropefric.systems.bandsaw.answer import SawModel, SawProblem, frequencies_Hz
 from ropefric.systems.bandsaw.saw import Excitation, Side
 from ropefric.systems.roots import roots_of_cases
 
@@ -58,7 +58,7 @@ _SQUARED_ERROR = 1e-11
 
 
 def modes_over(
-    problem: SawProblem, side: Side, n_modes: int, what: str, *, ends: tuple[float, float]
+    model: SawModel, side: Side, n_modes: int, what: str, *, ends: tuple[float, float]
 ) -> Callable[[FloatArray], FloatArray]:
     """Return the frequencies as a function of "speed_m_s" or "preload_N" between two ends, shape (m, n_modes) [Hz].
 
@@ -68,13 +68,10 @@ def modes_over(
 
     def exact(at: FloatArray) -> FloatArray:
         changed: dict[str, Any] = {what: at}
-        return frequencies_Hz(problem, side, n_modes, **changed)
+        return frequencies_Hz(model, side, n_modes, **changed)
 
-    if (
-        problem.bending_stiffness_N_m2 is None
-        or not problem.bending_stiffness_N_m2.any()
-        or not ends[0] < ends[1]
-    ):
+    stiff = model.part("bending", model.problem.bending_stiffness_N_m2).any()
+    if not stiff or not ends[0] < ends[1]:
         return exact
     power = 2.0 if what == "speed_m_s" else 1.0
     low, high = (end**power for end in ends)
@@ -111,7 +108,7 @@ class Margin(NamedTuple):
 
 
 def find_crossings(
-    problem: SawProblem,
+    model: SawModel,
     side: Side,
     excitations: tuple[Excitation, ...],
     speeds_m_s: npt.ArrayLike,
@@ -123,8 +120,8 @@ def find_crossings(
     show whether it does.
     """
     ends, causes = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]], _harmonics(excitations)
-    work_m_s = work_speed_m_s(problem)
-    curve = modes_over(problem, side, n_modes, "speed_m_s", ends=(float(ends[0]), float(ends[1])))
+    work_m_s = work_speed_m_s(model.problem)
+    curve = modes_over(model, side, n_modes, "speed_m_s", ends=(float(ends[0]), float(ends[1])))
     above = curve(ends)[:, np.newaxis] > _excited_Hz(excitations, ends)[..., np.newaxis]
     cause, modes = np.nonzero(above[0] & ~above[1])
     if not modes.size:
@@ -152,12 +149,12 @@ def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
 
 
 def margins(
-    problem: SawProblem, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
+    model: SawModel, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first."""
-    excited_Hz, found = _excited_Hz(excitations, work_speed_m_s(problem)).tolist(), []
+    excited_Hz, found = _excited_Hz(excitations, work_speed_m_s(model.problem)).tolist(), []
     for side in sides:
-        modes_Hz = frequencies_Hz(problem, side, n_modes)[0].tolist()
+        modes_Hz = frequencies_Hz(model, side, n_modes)[0].tolist()
         for (mode, own_Hz), ((cause, harmonic), its_Hz) in product(
             enumerate(modes_Hz, start=1), zip(_harmonics(excitations), excited_Hz, strict=True)
         ):
@@ -177,15 +174,15 @@ class SawChart(NamedTuple):
 
 
 def saw_chart(
-    problem: SawProblem, excitations: tuple[Excitation, ...], speeds_m_s: npt.ArrayLike, n_modes: int = 4
+    model: SawModel, excitations: tuple[Excitation, ...], speeds_m_s: npt.ArrayLike, n_modes: int = 4
 ) -> SawChart:
     """Return the data of a Campbell chart of both sides at constant torque."""
     speeds, found, modes_Hz = frozen_array(speeds_m_s), list[Crossing](), {}
     ends = (float(speeds[0]), float(speeds[-1]))
     for side in _SIDES:
-        found += find_crossings(problem, side, excitations, speeds, n_modes)
-        modes_Hz[side] = modes_over(problem, side, n_modes, "speed_m_s", ends=ends)(speeds)
-    return SawChart(work_speed_m_s(problem), speeds, modes_Hz, excitations, in_order(found))
+        found += find_crossings(model, side, excitations, speeds, n_modes)
+        modes_Hz[side] = modes_over(model, side, n_modes, "speed_m_s", ends=ends)(speeds)
+    return SawChart(work_speed_m_s(model.problem), speeds, modes_Hz, excitations, in_order(found))
 
 
 _TRIED = 2001
@@ -214,7 +211,7 @@ class StrainAdvice(NamedTuple):
 
 
 def recommend_preload(
-    problem: SawProblem,
+    model: SawModel,
     excitations: tuple[Excitation, ...],
     *,
     margin: float,
@@ -222,8 +219,8 @@ def recommend_preload(
     n_modes: int = 6,
 ) -> StrainAdvice:
     """Return the preload nearest to the present one at which all modes of both sides keep a margin."""
-    excited_Hz = _excited_Hz(excitations, work_speed_m_s(problem))
-    curves = [modes_over(problem, side, n_modes, "preload_N", ends=range_N) for side in _SIDES]
+    excited_Hz = _excited_Hz(excitations, work_speed_m_s(model.problem))
+    curves = [modes_over(model, side, n_modes, "preload_N", ends=range_N) for side in _SIDES]
 
     def nearest(preload_N: npt.ArrayLike) -> FloatArray:
         """Return the smallest margin at preloads within the range."""
@@ -234,7 +231,7 @@ def recommend_preload(
     def advice(status: StrainStatus, preload_N: float) -> StrainAdvice:
         return StrainAdvice(status, preload_N, float(nearest(preload_N)[0]))
 
-    present_N, wanted = float(problem.preload_N[0]), margin - _HAIR
+    present_N, wanted = float(model.problem.preload_N[0]), margin - _HAIR
     if range_N[0] <= present_N <= range_N[1] and nearest(present_N)[0] >= wanted:
         return advice(StrainStatus.KEEP, present_N)
     tried_N = np.linspace(*range_N, _TRIED)

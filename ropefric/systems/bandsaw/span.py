@@ -4,12 +4,11 @@ The ends are held in one of several ways; what a beam may do there and at which 
 """
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
@@ -178,11 +177,6 @@ class Span(Cases):
         some = force_N > 0.0
         limited = np.divide(force_N, held, out=np.full(self.n, np.inf), where=some & (held > 0.0))
         return np.where(some, np.sqrt(limited), 0.0)
-
-    def select(self, index: npt.ArrayLike) -> "Span":
-        """Return the cases at an index array or boolean mask, in that order."""
-        chosen = np.asarray(index)
-        return Span(**{one.name: getattr(self, one.name)[chosen] for one in fields(self) if one.init})
 
     @cached_property
     def _net(self) -> Pair:

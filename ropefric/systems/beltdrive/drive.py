@@ -51,8 +51,10 @@ class DriveProblem(Cases):
         groove = np.ones(1) if self.groove_angle_rad is None else self.groove_angle_rad
         refuse(
             (groove < 1e-3) | (groove > np.pi),
-            "a groove opens by less than a hair or more than half a turn",
+            "a groove of {degrees:.4g} deg from flank to flank is no wedge; it opens by 0.06 to 180 deg",
             key="groove_angle_rad",
+            fix="give the angle between the flanks, or leave it out for a flat belt",
+            degrees=np.degrees(groove),
         )
         if self.centre_distance_m is not None and self.driven_radius_m is not None:
             self._lay(self.centre_distance_m, self.driven_radius_m)
@@ -160,16 +162,25 @@ class DriveAnswer(NamedTuple):
 
     @property
     def speed_ratio(self) -> FloatArray:
-        """Return the rim speed of the driven pulley over that of the driving one, (1 + T2/EA)/(1 + T1/EA)."""
+        """Return the rim speed of the driven pulley over that of the driving one, (1 + T2/EA)/(1 + T1/EA).
+
+        NaN where the belt slips wholly: creep does not set its speed then.
+        """
         tight, slack = self.strain
-        return np.asarray((1.0 + slack) / (1.0 + tight))
+        return np.where(self.slips_wholly, np.nan, (1.0 + slack) / (1.0 + tight))
+
+    @property
+    def slips_wholly(self) -> BoolArray:
+        """Return where the belt does not carry its pull, or a side of it presses no more, shape (n,)."""
+        pressing_N = np.minimum(self.tight_N, self.slack_N) - self.circling_N
+        return np.asarray((pressing_N <= 0.0) | (self.utilisation > 1.0 + 1e-9))
 
     @property
     def slip_arc_rad(self) -> FloatArray:
         """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
-        pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
-        whole = (pressing <= 0.0).any(axis=0) | (self.utilisation > 1.0 + 1e-9)
-        pull_N, low_N = self.pull_N / self.model.problem.belt_count, np.where(whole, 1.0, pressing[1])
+        whole = self.slips_wholly
+        pull_N = self.pull_N / self.model.problem.belt_count
+        low_N = np.where(whole, 1.0, self.slack_N - self.circling_N)
         arcs = np.full_like(self.coefficients, np.nan)
         np.divide(np.log1p(pull_N / low_N), self.coefficients, out=arcs, where=self.coefficients > 0.0)
         wraps = [one[1] for one in self.model.problem.pulleys]

@@ -31,7 +31,7 @@ EFFECTS: Registry[Effect] = Registry(
             instead="a belt that does not stretch; both rims run at one speed",
             needs=missing({"axial_stiffness_N": "belt.axial_stiffness"}),
         ),
-        *law_effects("pulley", "belt", missing({}), 1e-7),
+        *law_effects("pulley", "belt"),
     ),
 )
 """In the order in which they are applied."""

@@ -99,7 +99,9 @@ def solve_lift(model: HoistModel) -> Lift:
     E = EI/(2R²) keeps it bent. What presses grows as P_A = P_B e^M over the arc that is in contact.
     """
     problem = model.problem
-    end_N, circling_N, stiff_N = _tensions_N(model)
+    end_N = problem.end_tension_N + model.part("rope-weight", problem.weight_N)
+    circling_N = model.part("centrifugal", problem.circling_N)
+    stiff_N = model.part("bending-stiffness", problem.bending_N)
     # In this order, because their sum would round away a small E beside a large c.
     pressing_N = (end_N - circling_N) - stiff_N
     refuse(
@@ -121,7 +123,13 @@ def solve_lift(model: HoistModel) -> Lift:
         stiff_N=stiff_N,
         pulling_N=end_N - circling_N,
     )
-    exponent_over = _exponent(model, pressing_N)
+    exponent_over = partial(
+        problem.friction.exponent,
+        problem.wheel_radius_m,
+        problem.rope_radius_m,
+        slack_tension_N=pressing_N,
+        regressors=own_regressors(model.effects),
+    )
     contact, idle_N = problem.wrap_angle_rad, circling_N + stiff_N
     if stiff_N.any():
         contact = contact_arc_rad(contact, stiff_N, pressing_N, exponent_over)
@@ -131,28 +139,6 @@ def solve_lift(model: HoistModel) -> Lift:
         with np.errstate(divide="ignore"):
             log_lift = np.logaddexp(np.log(idle_N), log_lift)
     return Lift(model, log_lift, exponent, contact, end_N)
-
-
-def _tensions_N(model: HoistModel) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the end tension, c and E [N]."""
-    problem = model.problem
-    return (
-        problem.end_tension_N + model.part("rope-weight", problem.weight_N),
-        model.part("centrifugal", problem.circling_N),
-        model.part("bending-stiffness", problem.bending_N),
-    )
-
-
-def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
-    """Return M over a wrap yet to be given."""
-    problem = model.problem
-    return partial(
-        problem.friction.exponent,
-        problem.wheel_radius_m,
-        problem.rope_radius_m,
-        slack_tension_N=slack_N,
-        regressors=own_regressors(model.effects),
-    )
 
 
 def contact_arc_rad(

@@ -6,7 +6,7 @@ from ropefric.arrays import FloatArray
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
 from ropefric.systems.checks import lean
-from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing, stiff_law
 from ropefric.systems.hoist.contact import HoistProblem, Lift, solve_lift
 
 
@@ -43,15 +43,13 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
 
 
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
-    if "bending-stiffness" in problem.friction.law.effects:
-        return ("friction.law (bending has the stiffness in it already)",)
-    return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
+    return stiff_law(problem) or missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
 EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        *law_effects("wheel", "rope", cost=1e-7, tension="the end tension (as equivalent wrap)"),
+        *law_effects("wheel", "rope", tension="the end tension (as equivalent wrap)"),
         Effect(
             name="rope-weight",
             adds="the weight of the rope that hangs from the slack side, on top of the end tension",

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, System, closed_form_system, law_effects
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing, stiff_law
 from ropefric.systems.line.element import LineProblem
 from ropefric.systems.line.line import distance, solve_line
 
@@ -12,12 +12,11 @@ def _needs(effect: str, element: str, **keys: str) -> Callable[[LineProblem], tu
     """Return what of the rope is missing for an effect, and the key of an element where no element has its data."""
 
     def needs(problem: LineProblem) -> tuple[str, ...]:
-        found = tuple(key for name, key in keys.items() if getattr(problem, name) is None)
-        friction = problem.friction
-        if friction is not None and effect == "bending-stiffness" and effect in friction.law.effects:
-            found += ("friction.law (bending has the stiffness in it already)",)
-        return found + (
-            () if any(effect in one.effects for one in problem.elements) else (f"element.{element}",)
+        found = missing(keys)(problem) + (stiff_law(problem) if effect == "bending-stiffness" else ())
+        return (
+            found
+            if any(effect in one.effects for one in problem.elements)
+            else (*found, f"element.{element}")
         )
 
     return needs

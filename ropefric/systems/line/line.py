@@ -67,6 +67,13 @@ class LineAnswer(NamedTuple):
         return np.sum(carrying, axis=0) if carrying else None
 
     @property
+    def jacks(self) -> tuple[str, ...]:
+        """Return the ends at which a tendon is stressed, in the order of `anchored`."""
+        return (
+            ("start", "end") if self.stressed is not None else (("start", "end")[self.model.problem.pulled],)
+        )
+
+    @property
     def stretches(self) -> bool:
         """Return whether the elongation of the rope is simulated."""
         return "stretch" in self.model.effects
@@ -142,10 +149,13 @@ def _stretch_m(passage: Passage, tension_N: FloatArray, *, moves: bool) -> Float
     problem = passage.model.problem
     if not moves or problem.axial_stiffness_N is None or not passage.has("stretch"):
         return np.zeros((len(problem.elements), problem.n))
-    pairs = zip(problem.elements, tension_N[:-1], strict=True)
-    return (
-        np.stack([one.stretch_N_m(passage, before_N) for one, before_N in pairs]) / problem.axial_stiffness_N
-    )
+    return _drawn_N_m(passage, tension_N) / problem.axial_stiffness_N
+
+
+def _drawn_N_m(passage: Passage, tension_N: FloatArray) -> FloatArray:
+    """Return ∫T dx in each element, shape (k, n)."""
+    pairs = zip(passage.model.problem.elements, tension_N[:-1], strict=True)
+    return np.stack([one.stretch_N_m(passage, before_N) for one, before_N in pairs])
 
 
 def _stressed(model: LineModel) -> Stressed:
@@ -202,23 +212,16 @@ def _cycle(model: LineModel, start_N: FloatArray) -> Cycle:
 
     NaN where the rope would have to push in one of the two, or the law has no answer to one.
     """
-    try:
-        return _both_ways(model, start_N)
-    except RopefricError:
-        return Cycle(*np.full((3, model.problem.n), np.nan))
-
-
-def _both_ways(model: LineModel, start_N: FloatArray) -> Cycle:
     problem, ends_N, drawn_N_m = model.problem, [], []
-    pulls = np.ones(problem.n, dtype=np.bool_)
-    for is_pulled in (True, False):
-        tension_N = _tensions(model, is_pulled=is_pulled, start_N=start_N)
-        passage = Passage(model, is_forward=True, is_pulled=is_pulled)
-        pairs = zip(problem.elements, tension_N[:-1], strict=True)
-        drawn_N_m.append(np.sum([one.stretch_N_m(passage, before_N) for one, before_N in pairs], axis=0))
-        ends_N.append(tension_N[-1])
-        pulls &= (tension_N >= 0.0).all(axis=0)
-    lost_m = np.zeros(problem.n)
+    pulls, lost_m = np.ones(problem.n, dtype=np.bool_), np.zeros(problem.n)
+    try:
+        for is_pulled in (True, False):
+            tension_N = _tensions(model, is_pulled=is_pulled, start_N=start_N)
+            drawn_N_m.append(_drawn_N_m(Passage(model, True, is_pulled), tension_N).sum(axis=0))
+            ends_N.append(tension_N[-1])
+            pulls &= (tension_N >= 0.0).all(axis=0)
+    except RopefricError:
+        return Cycle(*np.full((3, problem.n), np.nan))
     if "stretch" in model.effects and problem.axial_stiffness_N is not None:
         lost_m = (drawn_N_m[0] - drawn_N_m[1]) / problem.axial_stiffness_N
     return Cycle(*(np.where(pulls, one, np.nan) for one in (*ends_N, lost_m)))

@@ -59,7 +59,7 @@ EFFECTS: Registry[Effect] = Registry(
             "rims that all run at the speed of the drivers",
             needs=partial(_lacking, part="axial_stiffness"),
         ),
-        *law_effects("roller", "belt", cost=1e-6),
+        *law_effects("roller", "belt"),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
         _moving(

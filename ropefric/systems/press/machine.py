@@ -307,6 +307,9 @@ def _parts(press: Press) -> Said:
     ):
         yield not names, kind, f"a press without {kind} moves nothing", ""
         yield "" in names, kind, f"one of the {kind} has an empty name", ""
+        fix = "write it without; in slip.2.utilisation points separate the parts of a name"
+        for name in names:
+            yield "." in name, kind, f"the name '{name}' of one of the {kind} has a point", fix
     for roller in press.rollers:
         where, what, carrier = f"rollers.{roller.name}", f"roller '{roller.name}'", roller.tensioner
         wrapped = f"{what} is wrapped {math.degrees(roller.wrap_angle_rad):.6g} deg; a flat belt meets itself after "

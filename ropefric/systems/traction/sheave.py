@@ -221,17 +221,23 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
 
 
 def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
-    """Return the undercut whose f/μ is `factor`, shape (4, n); NaN where none from 0 to 180° − γ has it."""
+    """Return the undercut whose f/μ is `factor`, shape (4, n); NaN where none from 0 to 180° − γ has it.
+
+    It is 0 where ropes that must hold do so without any.
+    """
     if not problem.is_round:
         return np.full_like(factor, np.nan)
     gamma = problem.groove_angle_rad
-    possible = (factor >= round_factor(gamma, np.zeros_like(gamma))) & (factor < wedge_factor(gamma))
+    plain = round_factor(gamma, np.zeros_like(gamma))
+    possible = (factor >= plain) & (factor < wedge_factor(gamma))
+    undercut = np.where(factor < plain, 0.0, np.nan)
+    undercut[_STALLED] = np.nan
     gamma, factor = np.broadcast_to(gamma, factor.shape)[possible], factor[possible]
     # Where the wedge begins nothing is left of the bed to divide by.
     largest = (1.0 - 1e-12) * (np.pi - gamma)
-    found = roots_of_cases(lambda beta: round_factor(gamma, beta) - factor, np.zeros_like(gamma), largest)
-    undercut = np.full(possible.shape, np.nan)
-    undercut[possible] = found
+    undercut[possible] = roots_of_cases(
+        lambda beta: round_factor(gamma, beta) - factor, np.zeros_like(gamma), largest
+    )
     return undercut
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper import whole
 
 from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.errors import InputError, SolverError
@@ -87,15 +88,15 @@ def test_clamped_at_rest_follows_its_expansion_to_third_order():
 @BOTH
 def test_frequencies_fall_with_speed_and_rise_with_stiffness(saw, stiffness, ends):
     stiff = replace(saw, bending_stiffness_N_m2=stiffness, ends=ends)
-    limit = float(span_of(stiff, Side.SLACK).critical_speed_m_s(ends)[0])
+    limit = float(span_of(whole(stiff), Side.SLACK).critical_speed_m_s(ends)[0])
     speeds = limit * np.array([0.0, 0.2, 0.6, 0.9, 0.99, 0.9999, 1 - 1e-8])
-    found = frequencies_Hz(stiff, Side.SLACK, 4, speed_m_s=speeds)
+    found = frequencies_Hz(whole(stiff), Side.SLACK, 4, speed_m_s=speeds)
     assert (np.diff(found, axis=0) < 0).all()
     assert found[-1, 0] < 1e-3 * found[0, 0]
     slow = speeds[:4]
-    assert (found[:4] > frequencies_Hz(saw, Side.SLACK, 4, speed_m_s=slow)).all()
+    assert (found[:4] > frequencies_Hz(whole(saw), Side.SLACK, 4, speed_m_s=slow)).all()
     with pytest.raises(InputError, match="critical speed is"):
-        frequencies_Hz(stiff, Side.SLACK, 4, speed_m_s=limit * (1 + 1e-9))
+        frequencies_Hz(whole(stiff), Side.SLACK, 4, speed_m_s=limit * (1 + 1e-9))
 
 
 @BOTH

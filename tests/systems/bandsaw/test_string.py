@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper import whole
 
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.answer import frequencies_Hz, span_of, torsion_frequencies_Hz
@@ -59,8 +60,8 @@ def test_scaling_and_tendencies(*, preload, pull, kappa, share, density, more):
 
 def test_wheels_pressed_apart_with_a_constant_force_have_no_critical_speed(saw):
     free = replace(saw, mounting_factor=1.0)
-    assert np.isinf(span_of(free, Side.SLACK).critical_speed_m_s(CLAMPED)).all()
-    assert (np.diff(frequencies_Hz(free, Side.SLACK, 1, speed_m_s=[0, 50, 500, 5e4])[:, 0]) < 0).all()
+    assert np.isinf(span_of(whole(free), Side.SLACK).critical_speed_m_s(CLAMPED)).all()
+    assert (np.diff(frequencies_Hz(whole(free), Side.SLACK, 1, speed_m_s=[0, 50, 500, 5e4])[:, 0]) < 0).all()
 
 
 def test_torsion_falls_to_zero_at_its_own_critical_speed():
@@ -108,11 +109,11 @@ def test_refusals_name_the_critical_speed(saw):
     with pytest.raises(InputError, match=f"its critical speed is {c:.9g} m/s at case 1"):
         string_frequencies_Hz(Span(**GOOD, travel_speed_m_s=[10.0, c * 1.001]))
     half = replace(saw, mounting_factor=0.75)
-    limit = float(span_of(half, Side.SLACK).critical_speed_m_s(PINNED)[0])
+    limit = float(span_of(whole(half), Side.SLACK).critical_speed_m_s(PINNED)[0])
     assert limit == pytest.approx(2 * 74.4401, abs=1e-3)
-    assert frequencies_Hz(half, Side.SLACK, 1, speed_m_s=0.999 * limit)[0, 0] > 0
+    assert frequencies_Hz(whole(half), Side.SLACK, 1, speed_m_s=0.999 * limit)[0, 0] > 0
     with pytest.raises(InputError, match=f"critical speed is {limit:.9g} m/s"):
-        frequencies_Hz(half, Side.SLACK, 1, speed_m_s=1.001 * limit)
+        frequencies_Hz(whole(half), Side.SLACK, 1, speed_m_s=1.001 * limit)
 
 
 def test_functions_refuse():

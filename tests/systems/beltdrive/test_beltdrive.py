@@ -14,6 +14,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
+from ropefric.section import as_text
 from ropefric.systems.beltdrive.drive import (
     DriveModel,
     DriveProblem,
@@ -171,7 +172,17 @@ def test_too_much_power_slips(tmp_path):
     solution = rf.solve(scene(tmp_path, old='"120 kW"', new='"200 kW"'))
     assert not solution.stands
     assert any("the belts slip" in words for words in solution.warnings)
-    assert solution.to_dict()["belts"] == 3
+    tree = solution.to_dict()
+    assert tree["belts"] == 3
+    # How fast a slipping pulley turns, creep does not say.
+    assert tree["creep"] == {"speed_ratio": None, "power_lost_W": None}
+    assert tree["pulleys"]["driven"]["speed_rad_s"] is None
+    said = as_text(solution.scene.kind.sections(tree))
+    assert "for the power asked for: T1 = 5250 N" in said
+    assert "creep:" not in said
+    idle = rf.solve(scene(tmp_path, old='"120 kW"', new='"0 W"')).to_dict()
+    assert idle["utilisation"] == 0.0
+    assert idle["at_work"]["slack_N"] == idle["at_work"]["tight_N"] == 5250.0
 
 
 def test_a_band_brake_both_ways(tmp_path):
@@ -200,28 +211,6 @@ def test_the_charts_show_power_and_arcs(tmp_path):
     assert (round_one[0], round_one[-1]) == pytest.approx((5250.0, 5250.0 - 120e3 / 23.5619449 / 2.0))
     for figure in figures.values():
         figure.figure.canvas.draw()
-
-
-def test_bad_keys_are_refused_by_name(tmp_path):
-    for old, new, words in [
-        ('closure = "limit"', 'closure = "limt"', "did you mean 'limit'"),
-        ('speed    = "1500 rpm"', "", "load.power needs driving.speed"),
-        ('"5250 N"', "5250", '"5250 N"'),
-        ("count           = 2", "count = 2.5", "whole number from 1 to 1000"),
-        ("groove_angle ", "grove_angle ", "did you mean 'groove_angle'"),
-        ('"30 deg"', '"200 deg"', "more than half a turn"),
-        ('"1500 rpm"', '"9000 rpm"', "lifts off the pulley"),
-        ('"auto"', '["crep"]', "did you mean 'creep'"),
-        ('axial_stiffness = "400 kN"', "", "cannot be simulated without belt.axial_stiffness"),
-        ('wrap     = "180 deg"', 'wrap = "900 turn"', "no ratio of tensions"),
-    ]:
-        assert old in scene_text("belt-drive"), old
-        path = scene(tmp_path, old=old, new=new)
-        also = ('"auto"', '["creep"]') if "axial" in old else (old, new)
-        path.write_text(path.read_text(encoding="utf-8").replace(*also, 1), encoding="utf-8")
-        with pytest.raises(DataError, match=words) as caught:
-            rf.solve(path)
-        assert caught.value.problem.line is not None, old
 
 
 FE = {"wrap_angle_rad": math.pi, "driven_radius_m": 0.1, "driven_wrap_rad": math.pi, "tension_N": 400.0,

@@ -92,13 +92,6 @@ def test_numbers_out_of_range_are_refused(full_problem):
             replace(full_problem, **{name: math.nan if name == "speed_m_s" else -1.0})
 
 
-def test_many_cases_at_once_are_the_same_cases_one_by_one(full_problem, solved):
-    tensions = np.array([20.0, 80.0, 300.0])
-    together = solved(replace(full_problem, end_tension_N=tensions)).log_lift
-    alone = [solved(replace(full_problem, end_tension_N=tension)).log_lift[0] for tension in tensions]
-    assert together.tolist() == pytest.approx(alone, rel=1e-14)
-
-
 def test_a_law_that_has_the_stiffness_in_it_does_not_get_it_twice():
     friction = law_of("bending", [0.2, 1e-3], (0.04, 0.005, 3.0, 60.0))
     rope = HoistProblem(friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=6.0,

@@ -54,6 +54,7 @@ WRONG = {
                                      "roller '4' is no driver"),
     "inertia of zero": (lambda p: with_roller(p, "4", inertia_kg_m2=0.0), "rollers.4.inertia_kg_m2 is 0"),
     "empty name": (lambda p: with_roller(p, "4", name=""), "one of the rollers has an empty name"),
+    "name with a point": (lambda p: with_roller(p, "4", name="4.5"), "the name '4.5' of one of the rollers has a point"),
     "unknown roller": (lambda p: with_belt(p, "upper", loop=("1", "22", "3")), "unknown roller '22'"),
     "not closed": (lambda p: with_belt(p, "upper", loop=("1",)), "belt 'upper' is not closed"),
     "first roller again": (lambda p: with_belt(p, "upper", loop=(*p.belts[0].loop, "1")),

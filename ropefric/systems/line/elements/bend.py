@@ -64,7 +64,7 @@ class Bend(Element):
         """Return the side pressure at its tight end, its share of the limit, and what the rope pulls the bend with."""
         found = {"resultant_N": resultant_N(self.angle_rad, in_N, out_N)}
         if self.radius_m is not None:
-            found["normal_N_m"] = np.maximum(in_N, out_N) / self.radius_m
+            found["normal_N_m"] = np.maximum(np.maximum(in_N, out_N), 0.0) / self.radius_m
             if self.normal_limit_N_m is not None:
                 found["utilisation"] = found["normal_N_m"] / self.normal_limit_N_m
         return found

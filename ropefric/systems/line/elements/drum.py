@@ -96,7 +96,8 @@ class Drum(Element):
         found = {"pull_N": pull_N, "utilisation": np.where(asked_N == 0.0, 0.0, use)}
         found["resultant_N"] = resultant_N(self.angle_rad, in_N, out_N)
         if self.radius_m is not None:
-            found |= {"normal_N_m": high_N / self.radius_m, "torque_N_m": pull_N * self.radius_m}
+            found["normal_N_m"] = np.maximum(high_N, 0.0) / self.radius_m
+            found["torque_N_m"] = pull_N * self.radius_m
         return found
 
 

@@ -13,7 +13,7 @@ from ropefric.systems.line.element import Element, Given, Mu, Passage, Wobble
 
 @dataclass(frozen=True, kw_only=True)
 class Run(Element):
-    """A straight run: dT/dx = μ k T + w (sin α + μ cos α) where the rope is pulled, −μ where it is paid out."""
+    """A straight run: dT/dx = μ k T + w (sin α + μ |cos α|) where the rope is pulled, −μ where it is paid out."""
 
     kind: ClassVar[str] = "run"
 
@@ -37,11 +37,11 @@ class Run(Element):
         return replace(self, slope_rad=-self.slope_rad)
 
     def _rates(self, passage: Passage) -> tuple[FloatArray, FloatArray]:
-        """Return μ k L and w L (sin α + μ cos α), with the signs they have from the known side on."""
+        """Return μ k L and w L (sin α + μ |cos α|), with the signs they have from the known side on."""
         way, sense = passage.ways
         mu = sense * passage.coefficient(self.mu)
         wobble = self.wobble_1_m if passage.has("wobble") and self.wobble_1_m is not None else 0.0
-        slope = np.sin(self.slope_rad) + mu * np.cos(self.slope_rad)
+        slope = np.sin(self.slope_rad) + mu * abs(np.cos(self.slope_rad))
         return way * mu * wobble * self.length_m, way * slope * passage.weight_N_m * self.length_m
 
     def tension_N(self, passage: Passage, known_N: FloatArray) -> FloatArray:

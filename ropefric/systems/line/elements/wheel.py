@@ -10,7 +10,7 @@ from ropefric.systems.line.elements.bend import resultant_N
 
 @dataclass(frozen=True, kw_only=True)
 class Wheel(Element):
-    """A pulley: T_out = T_in/η + D where the rope is pulled, T_in η − D where it is paid out."""
+    """A pulley: T_out = T_in/η + D where the rope is pulled, (T_in − D) η where it is paid out."""
 
     kind: ClassVar[str] = "wheel"
 

@@ -125,6 +125,11 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
+def varied_facets(fit: FitResult) -> list[str]:
+    """Return the facets that the trials varied, over others there is nothing to see; all where they varied none."""
+    return [name for name in FACETS if fit.validity[name][1] > fit.validity[name][0]] or [*FACETS]
+
+
 def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     """Return μ̄ of every condition against those of F_B, φ and R_w that were varied, with the lines of fitted laws.
 
@@ -140,8 +145,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
         )
     rows: list[tuple[object, ...]] = []
-    # Over what was not varied there is nothing to see.
-    varied = [name for name in FACETS if first.validity[name][1] > first.validity[name][0]] or [*FACETS]
+    varied = varied_facets(first)
     with drawing(10.0, 4.0, ncols=len(varied), sharey=True, squeeze=False) as (figure, grid):
         panels = grid[0]
         for axes, over in zip(panels, varied, strict=True):

@@ -156,7 +156,7 @@ def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
 
 @paint.register
 def _(smoothed: SmoothedForce, axes: Axes) -> None:
-    label = f"mean over {1e3 * smoothed.window_s:.3g} ms"
+    label = f"mean over {1e3 * smoothed.window_s:.3g} ms" if smoothed.window_s else "as recorded"
     axes.plot(smoothed.time_s, smoothed.force_N, linewidth=0.8, label=label)
     axes.set(xlabel="Time [s]", ylabel="Force [N]")
 
@@ -247,15 +247,18 @@ def _(design: Design, axes: Axes) -> None:
 def _(found: Diagnosis, axes: Axes) -> None:
     bars = [{"yes": 1.0, "no": -1.0}.get(cause.supported, 0.0) for cause in found.causes]
     axes.barh(range(len(bars)), bars, color=[style.BLUE if bar > 0.0 else style.GREY for bar in bars])
-    axes.set_xticks((-1, 0, 1), ("not supported", "undecided", "supported"))
+    axes.set_xticks((-1, 0, 1), ("not supported", "undetermined", "supported"))
     _name_rows(axes, [cause.cause for cause in found.causes])
 
 
 @paint.register
 def _(plan: LabPlan, axes: Axes) -> None:
     at = plan.conditions
-    look: dict[str, Any] = {"c": 1e3 * at.wheel_radius_m, "cmap": "cividis"}
-    drawn = axes.scatter(np.degrees(at.wrap_angle_rad), at.end_tension_N, **look)
+    # The larger the wheel, the larger its mark, the smaller ones before it: none hides another.
+    order = np.argsort(-at.wheel_radius_m, kind="stable")
+    look: dict[str, Any] = {"s": 30.0 * (1.0 + at.wheel_radius_m / at.wheel_radius_m.min())[order]}
+    look |= {"c": 1e3 * at.wheel_radius_m[order], "cmap": "cividis"}
+    drawn = axes.scatter(np.degrees(at.wrap_angle_rad)[order], at.end_tension_N[order], **look)
     axes.figure.colorbar(drawn, ax=axes).set_label(style.regressor_label("wheel_radius_m"))
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.regressor_label("end_tension_N"))
     axes.set_title(f"{len(plan)} conditions, {plan.repeats} pulls each")

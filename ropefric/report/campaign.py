@@ -215,10 +215,10 @@ def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
         yes, decide = one.supported == "yes", one.supported == "cannot-tell"
         found[yes].append((one.cause, WORDS[one.supported], one.experiment if decide else one.evidence))
     headings = ("cause ", "verdict ", "evidence, or the test that would decide ")
-    yield Section("", (diagnosis.summary,), headings if found[True] else (), found[True])
+    yield Section("", (_sentence(diagnosis.summary),), headings if found[True] else (), found[True])
     if rest := found[False]:
         names = ", ".join(row[0] for row in rest)
-        yield Fold(f"Not supported, or not tested: {names}", Section("", (), headings, rest))
+        yield Fold(f"Not supported, or undetermined: {names}", Section("", (), headings, rest))
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
@@ -285,7 +285,7 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
     """Yield all other problems by kind; problems of flagged recordings are reported already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
-        messages = [problem.message for problem in alike[:_SAID]]
+        messages = [": ".join(filter(None, (one.where, one.message))) for one in alike[:_SAID]]
         if len(alike) > _SAID:
             messages.append(f"problems.csv lists {len(alike) - _SAID} more")
         fixes = dict.fromkeys(problem.fix for problem in alike[:_SAID] if problem.fix)
@@ -416,8 +416,8 @@ def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> 
 def _provenance(provenance: Mapping[str, Any], n_lists: int) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
     seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
-    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
-    notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
+    versions = parts.versions_in_words(provenance["versions"])
+    notes = (provenance["command"], f"versions: {versions}", f"seeds: {seeds}")
     settings = Section(headings=("setting", "value "), rows=[*_flat(provenance["settings"])])
     lists, recordings = provenance["inputs"][:n_lists], provenance["inputs"][n_lists:]
     of_recordings = Fold(f"SHA-256 of the {counted(len(recordings), 'recording')}", _hashes(recordings))

@@ -86,7 +86,7 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     fits = [fit, *(other for other in answer.fits if other.law == "constant" != fit.law)]
     if fit.statistics.n_conditions > 1:
         varied = " and ".join(REGRESSORS[name][0] for name in of_laws.varied_facets(fit))
-        caption = f"Average coefficient of friction of every condition against {varied}. The capstan equation is a level line."
+        caption = f"Average coefficient of friction against {varied}. The capstan equation is a level line."
         yield "friction", "mu_facets", caption, partial(of_laws.draw_mu_facets, fits)
         caption = "ln(F_A/F_B) against the wrap. The capstan equation is a straight line through the origin."
         yield "friction", "capstan", caption, partial(of_laws.draw_capstan, fits)

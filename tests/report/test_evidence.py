@@ -11,8 +11,8 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import predict
 from ropefric.fitting.next_tests import plan_tests, planned_fit
+from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import RigLimits
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline import (

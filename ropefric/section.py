@@ -85,13 +85,13 @@ def shorthand(value: float, std: float) -> str:
 
 
 def to_error(value: float, std: float) -> str:
-    """Return a value down to the second digit of its standard error; to six digits where it has none."""
+    """Return a value down to the second digit of its standard error; to six digits where that is none or too far."""
     if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
         return plain(value, ".6g")
     exponent = _last_place(std)
     leading = math.floor(math.log10(abs(value))) if value else exponent
     if max(leading, 0) - min(exponent, 0) >= _FLOAT_DIGITS:
-        return f"{value:.{min(max(leading - exponent, 0), _FLOAT_DIGITS)}e}"
+        return f"{value:.{min(max(leading - exponent, 0) + 1, 6)}g}"
     return f"{value:.{-exponent}f}" if exponent < 0 else f"{round(value, -exponent):.0f}"
 
 

@@ -5,6 +5,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -285,7 +286,10 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
     """Yield all other problems by kind; problems of flagged recordings are reported already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
-        messages = [": ".join(filter(None, (one.where, one.message))) for one in alike[:_SAID]]
+        # By the name of the file alone: the page is the same wherever the campaign is.
+        places = [replace(one, path=Path(one.path).name).where for one in alike[:_SAID]]
+        said = zip(places, alike, strict=False)
+        messages = [f"{place}: {one.message}" if place else one.message for place, one in said]
         if len(alike) > _SAID:
             messages.append(f"problems.csv lists {len(alike) - _SAID} more")
         fixes = dict.fromkeys(problem.fix for problem in alike[:_SAID] if problem.fix)

@@ -95,6 +95,13 @@ def to_error(value: float, std: float) -> str:
     return f"{value:.{-exponent}f}" if exponent < 0 else f"{round(value, -exponent):.0f}"
 
 
+def plus_minus(value: float, std: float) -> str:
+    """Return a value and its standard deviation, both to the second digit of the latter: 1100 ± 110."""
+    if not math.isfinite(std) or std <= 0.0:
+        return plain(value, ".5g")
+    return f"{to_error(value, std)} ± {to_error(std, std)}"
+
+
 def _last_place(std: float) -> int:
     # Rounded first, because 0.0999 becomes 0.10 and has a digit less.
     return math.floor(math.log10(float(f"{std:.1e}"))) - 1

@@ -19,7 +19,7 @@ from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
-from ropefric.section import Section, as_text, percent, plain, to_error
+from ropefric.section import Section, as_text, percent, plain, plus_minus, to_error
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import numbers, result
 from ropefric.trials.campaign_model import ReportWords
@@ -384,7 +384,7 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
     rows = []
     for number, item in enumerate(conditions, start=1):
         found = [item.of_kept.get(name, _NONE) for name in shown]
-        cells = (parts.plus_minus(mean, std) if n > 1 else plain(mean) for mean, std, n in found)
+        cells = (plus_minus(mean, std) if n > 1 else plain(mean) for mean, std, n in found)
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
     headings = ("no.", "n", *(named[name] for name in shown))
     note = "Mean ± standard deviation of the n trials kept. trials.csv lists every trial."

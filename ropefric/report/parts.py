@@ -14,7 +14,7 @@ from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import answer_label, counted
-from ropefric.section import WIDTH, Section, percent, plain, shorthand, to_error
+from ropefric.section import WIDTH, Section, percent, plain, plus_minus, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
@@ -27,13 +27,6 @@ if TYPE_CHECKING:
 
 LEAST_SHARE = 0.001
 """Of the variance: in a report, sources below are named and have no line."""
-
-
-def plus_minus(value: float, std: float) -> str:
-    """Return a value and its standard deviation, both to the second digit of the latter: 1101 ± 110."""
-    if not math.isfinite(std) or std <= 0.0:
-        return plain(value, ".5g")
-    return f"{to_error(value, std)} ± {to_error(std, std)}"
 
 
 def ends(of: Iterable[float], std: float) -> str:

@@ -15,7 +15,7 @@ import pytest
 from ropefric.errors import Problem
 from ropefric.fitting.store import load_fit
 from ropefric.plotting.campaign import typical_trial
-from ropefric.report.parts import plus_minus
+from ropefric.section import plus_minus
 
 LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}

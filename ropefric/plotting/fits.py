@@ -125,9 +125,9 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
-def varied_facets(fit: FitResult) -> list[str]:
-    """Return the facets that the trials varied, over others there is nothing to see; all where they varied none."""
-    return [name for name in FACETS if fit.validity[name][1] > fit.validity[name][0]] or [*FACETS]
+def varied(fit: FitResult, among: Sequence[str] = FACETS) -> list[str]:
+    """Return the regressors that the trials varied: over others there is nothing to see."""
+    return [name for name in among if fit.validity[name][1] > fit.validity[name][0]]
 
 
 def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
@@ -145,10 +145,10 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
         )
     rows: list[tuple[object, ...]] = []
-    varied = varied_facets(first)
-    with drawing(10.0, 4.0, ncols=len(varied), sharey=True, squeeze=False) as (figure, grid):
+    facets = varied(first) or [*FACETS]
+    with drawing(10.0, 4.0, ncols=len(facets), sharey=True, squeeze=False) as (figure, grid):
         panels = grid[0]
-        for axes, over in zip(panels, varied, strict=True):
+        for axes, over in zip(panels, facets, strict=True):
             settings, chosen = _settings_of(first, points, over)
             axes.set_xlabel(style.regressor_label(over))
             axes.set_title(_held(settings, FACETS), fontsize=9)

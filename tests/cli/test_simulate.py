@@ -19,7 +19,9 @@ def test_faults_and_parameters_can_be_chosen(call, tmp_path):
 
 def test_what_cannot_be_simulated_is_said_before_anything_is_written(call, tmp_path):
     folder, slippery = tmp_path / "a", ("--law", "constant", "-p", "mu=0.001")
-    for words, said in ((("--fault", "spik=1"), "did you mean 'spike'?"), (("-p", "mu_imf=1"), "did you mean 'mu_inf'?"),
-            (("--law", "coupeld"), "did you mean 'coupled'?"), (slippery, "choose parameters that give more friction")):  # fmt: skip
+    for words, said in (
+        (("--fault", "spik=1"), "did you mean 'spike'?"), (("-p", "mu_imf=1"), "did you mean 'mu_inf'?"),
+        (("--law", "coupeld"), "did you mean 'coupled'?"), (slippery, "parameters that give more friction"),
+    ):  # fmt: skip
         assert said in call("simulate", folder, *words).err
         assert not folder.exists()

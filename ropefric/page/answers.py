@@ -113,7 +113,7 @@ def lift_of(run: CampaignRun, settings: Mapping[str, float]) -> dict[str, Any]:
     most_rad = _WIDER * max(high_rad, settings["wrap_angle_rad"])
     curve = _over_wrap(fit, min(low_rad, settings["wrap_angle_rad"]) / _WIDER, most_rad, others)
     # Where radius or end tension were not tested, no wrap was.
-    beside = outside_words(fit.validity, one_condition(**settings | {"wrap_angle_rad": low_rad}))
+    beside = outside_words(fit.validity, one_condition(**others, wrap_angle_rad=low_rad))
     tested_deg = [] if beside else [degrees(low_rad), degrees(high_rad)]
     return {**found.to_dict(), **_plain(curve), "tested_deg": tested_deg}
 

@@ -50,7 +50,8 @@ _WITHOUT = "without the decision: "
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "The plan uses the wheels of this campaign, and wraps and end tensions within the tested range. It makes the "
-    "standard error of the lift force of the design as small as possible."
+    "standard error of the lift force of the design as small as possible. The limit of F_A is the full scale of the "
+    "largest force cell, or the largest measured force where no cell is stated."
 )
 
 

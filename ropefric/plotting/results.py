@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Kind, UnknownNameError
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.design import Design
+from ropefric.fitting.design import QUANTITIES, Design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import REGRESSORS, Prediction
@@ -233,8 +233,7 @@ def _(prediction: Prediction, axes: Axes) -> None:
 
 @paint.register
 def _(design: Design, axes: Axes) -> None:
-    names = {"wrap": "wrap_angle_rad", "radius": "wheel_radius_m", "end_tension": "end_tension_N"}
-    over = names[design.solve_for]
+    over = QUANTITIES[design.solve_for][0]
     x = REGRESSORS[over][2] * design.value
     axes.plot(x, design.lift_force_N, "o", label="mean law lifts")
     if design.probability is not None:

@@ -311,6 +311,8 @@ def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str
         return "has no unit", f'write it with one, for example "{digits} {example}"'
     if unit.startswith(","):
         return "has a decimal comma", "write a decimal point, as TOML does"
+    if "," in unit or ".." in unit:
+        return "is more than one quantity", f'give one, such as "{digits} {example}", or a list of such texts'
     return "", ""
 
 

@@ -4,6 +4,7 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 """
 
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from textwrap import wrap
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 WIDTH = 110
 """Columns that sentences are folded to."""
+_FLOAT_DIGITS = sys.float_info.dig
 
 
 class Section(NamedTuple):
@@ -83,12 +85,21 @@ def shorthand(value: float, std: float) -> str:
 
 
 def to_error(value: float, std: float) -> str:
-    """Return a value down to the second digit of its standard error; to six digits where it has none."""
+    """Return a value down to the second digit of its standard error; to six digits where that is none or too far."""
     if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
         return plain(value, ".6g")
     exponent = _last_place(std)
-    scale = 10.0**exponent
-    return f"{value:.{-exponent}f}" if exponent < 0 else f"{scale * round(value / scale):.0f}"
+    leading = math.floor(math.log10(abs(value))) if value else exponent
+    if max(leading, 0) - min(exponent, 0) >= _FLOAT_DIGITS:
+        return f"{value:.{min(max(leading - exponent, 0) + 1, 6)}g}"
+    return f"{value:.{-exponent}f}" if exponent < 0 else f"{round(value, -exponent):.0f}"
+
+
+def plus_minus(value: float, std: float) -> str:
+    """Return a value and its standard deviation, both to the second digit of the latter: 1100 ± 110."""
+    if not math.isfinite(std) or std <= 0.0:
+        return plain(value, ".5g")
+    return f"{to_error(value, std)} ± {to_error(std, std)}"
 
 
 def _last_place(std: float) -> int:

@@ -9,6 +9,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ropefric.quantities import split_unit_suffix
+from ropefric.section import plus_minus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -168,9 +169,5 @@ def _cut(text: str) -> str:
 def _number(value: float, std: Any) -> str:
     if math.isnan(value):
         return ""
-    if not isinstance(std, float) or not 0.0 < std < math.inf or not math.isfinite(value):
-        return f"{value:.4g}"
-    places = 1 - math.floor(math.log10(std))
-    if not -3 <= places <= 12 or abs(value) >= 1e9:
-        return f"{value:.4g} ± {std:.2g}"
-    return f"{round(value, places):.{max(places, 0)}f} ± {round(std, places):.{max(places, 0)}f}"
+    known = isinstance(std, float) and 0.0 < std < math.inf and math.isfinite(value)
+    return plus_minus(value, std) if known else f"{value:.4g}"

@@ -140,7 +140,7 @@ def test_the_numbers_carry_unit_and_uncertainty():
 
 def test_numbers_in_words():
     for value, std, said in (
-        (70.1234, 0.0512, "70.123 ± 0.051 N"), (70.1234, 0.0996, "70.123 ± 0.100 N"), (12345.6, 250.0, "12350 ± 250 N"),
+        (70.1234, 0.0512, "70.123 ± 0.051 N"), (70.1234, 0.0996, "70.12 ± 0.10 N"), (12345.6, 250.0, "12350 ± 250 N"),
         (1e-30, 1e-32, "1e-30 ± 1e-32 N"), (np.inf, 1.0, "inf N"), (np.nan, 1.0, ""), (5.0, np.nan, "5 N"),
         (5.0, 0.0, "5 N"), (True, None, "yes"), (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
     ):  # fmt: skip

@@ -17,7 +17,7 @@ from ropefric.arrays import FloatArray
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.fitting.compare import choose_law
 from ropefric.fitting.design import QUANTITIES, design
-from ropefric.fitting.predict import predict
+from ropefric.fitting.predict import outside_words, predict
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import condition_means
 from ropefric.fitting.store import save_fit
@@ -112,7 +112,10 @@ def lift_of(run: CampaignRun, settings: Mapping[str, float]) -> dict[str, Any]:
     others = {name: value for name, value in settings.items() if name != "wrap_angle_rad"}
     most_rad = _WIDER * max(high_rad, settings["wrap_angle_rad"])
     curve = _over_wrap(fit, min(low_rad, settings["wrap_angle_rad"]) / _WIDER, most_rad, others)
-    return {**found.to_dict(), **_plain(curve), "tested_deg": [degrees(low_rad), degrees(high_rad)]}
+    # Where radius or end tension were not tested, no wrap was.
+    beside = outside_words(fit.validity, one_condition(**others, wrap_angle_rad=low_rad))
+    tested_deg = [] if beside else [degrees(low_rad), degrees(high_rad)]
+    return {**found.to_dict(), **_plain(curve), "tested_deg": tested_deg}
 
 
 def inverse_of(run: CampaignRun, asked: Mapping[str, str], settings: Mapping[str, float]) -> dict[str, Any]:

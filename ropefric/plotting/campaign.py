@@ -22,7 +22,7 @@ from ropefric.plotting.figure import DataTable, FigureWithData, Progress, drawin
 from ropefric.traces.breakaway import Status
 from ropefric.trials import numbers
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
+from ropefric.trials.result import BINS, ConditionSummary, Extraction, Outline, TrialResult
 
 # Room for six-digit forces on the left and for three rows of legend below.
 _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace": 0.24}
@@ -423,7 +423,7 @@ def _in_cell(
     picked = [int(part[i]) for part, pair in zip(parts, ends, strict=True) for i in sorted({*pair})]
     time_s, force_N = outline.time_s[picked], outline.smoothed_N[picked]
     low_N, high_N = float(force_N.min()), float(force_N.max())
-    start_s, long_s = float(time_s[0]), float(time_s[-1] - time_s[0]) or 1.0
+    start_s, long_s = float(outline.time_s[0]), float(np.ptp(outline.time_s)) or 1.0
 
     def placed(at_s: Any, at_N: Any) -> tuple[Any, Any]:
         up = (at_N - low_N) / ((high_N - low_N) or 1.0)
@@ -431,10 +431,15 @@ def _in_cell(
 
     found = trial.breakaway
     digits = max(0, 2 - math.floor(math.log10(max(high_N - low_N, 1e-3))))
+    ends_N = (
+        round(end_N, digits) + 0.0 for end_N in (float(outline.low_N.min()), float(outline.high_N.max()))
+    )
+    # The times are those of the middles of the bins: half a bin is missing at each end.
+    whole_s = long_s * (1.0 + (outline.time_s.size == BINS) / (BINS - 1))
     inside = start_s <= found.peak_time_s <= start_s + long_s and math.isfinite(found.peak_N)
     numbers = [
-        (0.0, 0.97, f"{low_N:.{digits}f} to {high_N:.{digits}f} N", "left"),
-        (_WIDE, 0.97, f"{long_s:.3g} s", "right"),
+        (0.0, 0.97, " to ".join(f"{end_N:.{digits}f}" for end_N in ends_N) + " N", "left"),
+        (_WIDE, 0.97, f"{whole_s:.3g} s", "right"),
     ]
     pick = placed(found.peak_time_s, min(max(found.peak_N, low_N), high_N)) if inside else None
     return np.column_stack(placed(time_s, force_N)), pick, numbers

@@ -190,8 +190,12 @@ def draw_design_chart(chart: DesignChart, *, design: Prediction | None = None) -
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
     with drawing(10.0, 5.0) as (figure, axes):
-        for row, color in enumerate(style.shades(n_wheels)):
-            _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
+        # A law without a size effect has one line, drawn where most of it was tested.
+        same = n_wheels > 1 and np.allclose(chart.lift_force_N, chart.lift_force_N[0], equal_nan=True)
+        rows = [int(chart.extrapolated.sum(axis=1).argmin())] if same else range(n_wheels)
+        sizes = [f"{radii_mm[0][:-3]} to {radii_mm[-1]}, the same"] if same else radii_mm
+        for row, color, size in zip(rows, style.shades(len(rows)), sizes, strict=True):
+            _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {size}"))
         style.hatch_untested(
             axes, np.degrees(chart.wrap_angle_rad), np.asarray(chart.extrapolated.all(axis=0))
         )

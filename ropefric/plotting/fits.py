@@ -125,6 +125,11 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
+def varied(fit: FitResult, among: Sequence[str] = FACETS) -> list[str]:
+    """Return the regressors that the trials varied: over others there is nothing to see."""
+    return [name for name in among if fit.validity[name][1] > fit.validity[name][0]]
+
+
 def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     """Return μ̄ of every condition against those of F_B, φ and R_w that were varied, with the lines of fitted laws.
 
@@ -140,11 +145,10 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
         )
     rows: list[tuple[object, ...]] = []
-    # Over what was not varied there is nothing to see.
-    varied = [name for name in FACETS if first.validity[name][1] > first.validity[name][0]] or [*FACETS]
-    with drawing(10.0, 4.0, ncols=len(varied), sharey=True, squeeze=False) as (figure, grid):
+    facets = varied(first) or [*FACETS]
+    with drawing(10.0, 4.0, ncols=len(facets), sharey=True, squeeze=False) as (figure, grid):
         panels = grid[0]
-        for axes, over in zip(panels, varied, strict=True):
+        for axes, over in zip(panels, facets, strict=True):
             settings, chosen = _settings_of(first, points, over)
             axes.set_xlabel(style.regressor_label(over))
             axes.set_title(_held(settings, FACETS), fontsize=9)

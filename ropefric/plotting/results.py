@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Kind, UnknownNameError
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.design import Design
+from ropefric.fitting.design import QUANTITIES, Design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import REGRESSORS, Prediction
@@ -156,7 +156,7 @@ def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
 
 @paint.register
 def _(smoothed: SmoothedForce, axes: Axes) -> None:
-    label = f"mean over {1e3 * smoothed.window_s:.3g} ms"
+    label = f"mean over {1e3 * smoothed.window_s:.3g} ms" if smoothed.window_s else "as recorded"
     axes.plot(smoothed.time_s, smoothed.force_N, linewidth=0.8, label=label)
     axes.set(xlabel="Time [s]", ylabel="Force [N]")
 
@@ -233,8 +233,7 @@ def _(prediction: Prediction, axes: Axes) -> None:
 
 @paint.register
 def _(design: Design, axes: Axes) -> None:
-    names = {"wrap": "wrap_angle_rad", "radius": "wheel_radius_m", "end_tension": "end_tension_N"}
-    over = names[design.solve_for]
+    over = QUANTITIES[design.solve_for][0]
     x = REGRESSORS[over][2] * design.value
     axes.plot(x, design.lift_force_N, "o", label="mean law lifts")
     if design.probability is not None:
@@ -247,15 +246,18 @@ def _(design: Design, axes: Axes) -> None:
 def _(found: Diagnosis, axes: Axes) -> None:
     bars = [{"yes": 1.0, "no": -1.0}.get(cause.supported, 0.0) for cause in found.causes]
     axes.barh(range(len(bars)), bars, color=[style.BLUE if bar > 0.0 else style.GREY for bar in bars])
-    axes.set_xticks((-1, 0, 1), ("not supported", "undecided", "supported"))
+    axes.set_xticks((-1, 0, 1), ("not supported", "undetermined", "supported"))
     _name_rows(axes, [cause.cause for cause in found.causes])
 
 
 @paint.register
 def _(plan: LabPlan, axes: Axes) -> None:
     at = plan.conditions
-    look: dict[str, Any] = {"c": 1e3 * at.wheel_radius_m, "cmap": "cividis"}
-    drawn = axes.scatter(np.degrees(at.wrap_angle_rad), at.end_tension_N, **look)
+    # The larger the wheel, the larger its mark, the smaller ones before it: none hides another.
+    order = np.argsort(-at.wheel_radius_m, kind="stable")
+    look: dict[str, Any] = {"s": 30.0 * (1.0 + at.wheel_radius_m / at.wheel_radius_m.min())[order]}
+    look |= {"c": 1e3 * at.wheel_radius_m[order], "cmap": "cividis"}
+    drawn = axes.scatter(np.degrees(at.wrap_angle_rad)[order], at.end_tension_N[order], **look)
     axes.figure.colorbar(drawn, ax=axes).set_label(style.regressor_label("wheel_radius_m"))
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.regressor_label("end_tension_N"))
     axes.set_title(f"{len(plan)} conditions, {plan.repeats} pulls each")

@@ -5,6 +5,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
-from ropefric.section import Section, as_text, percent, plain, to_error
+from ropefric.section import Section, as_text, percent, plain, plus_minus, to_error
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import numbers, result
 from ropefric.trials.campaign_model import ReportWords
@@ -49,7 +50,8 @@ _WITHOUT = "without the decision: "
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "The plan uses the wheels of this campaign, and wraps and end tensions within the tested range. It makes the "
-    "standard error of the lift force of the design as small as possible."
+    "standard error of the lift force of the design as small as possible. The limit of F_A is the full scale of the "
+    "largest force cell, or the largest measured force where no cell is stated."
 )
 
 
@@ -215,10 +217,10 @@ def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
         yes, decide = one.supported == "yes", one.supported == "cannot-tell"
         found[yes].append((one.cause, WORDS[one.supported], one.experiment if decide else one.evidence))
     headings = ("cause ", "verdict ", "evidence, or the test that would decide ")
-    yield Section("", (diagnosis.summary,), headings if found[True] else (), found[True])
+    yield Section("", (_sentence(diagnosis.summary),), headings if found[True] else (), found[True])
     if rest := found[False]:
         names = ", ".join(row[0] for row in rest)
-        yield Fold(f"Not supported, or not tested: {names}", Section("", (), headings, rest))
+        yield Fold(f"Not supported, or undetermined: {names}", Section("", (), headings, rest))
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
@@ -285,7 +287,10 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
     """Yield all other problems by kind; problems of flagged recordings are reported already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
-        messages = [problem.message for problem in alike[:_SAID]]
+        # By the name of the file alone: the page is the same wherever the campaign is.
+        places = [replace(one, path=Path(one.path).name).where for one in alike[:_SAID]]
+        said = zip(places, alike, strict=False)
+        messages = [f"{place}: {one.message}" if place else one.message for place, one in said]
         if len(alike) > _SAID:
             messages.append(f"problems.csv lists {len(alike) - _SAID} more")
         fixes = dict.fromkeys(problem.fix for problem in alike[:_SAID] if problem.fix)
@@ -380,7 +385,7 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
     rows = []
     for number, item in enumerate(conditions, start=1):
         found = [item.of_kept.get(name, _NONE) for name in shown]
-        cells = (parts.plus_minus(mean, std) if n > 1 else plain(mean) for mean, std, n in found)
+        cells = (plus_minus(mean, std) if n > 1 else plain(mean) for mean, std, n in found)
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
     headings = ("no.", "n", *(named[name] for name in shown))
     note = "Mean ± standard deviation of the n trials kept. trials.csv lists every trial."
@@ -416,8 +421,8 @@ def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> 
 def _provenance(provenance: Mapping[str, Any], n_lists: int) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
     seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
-    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
-    notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
+    versions = parts.versions_in_words(provenance["versions"])
+    notes = (provenance["command"], f"versions: {versions}", f"seeds: {seeds}")
     settings = Section(headings=("setting", "value "), rows=[*_flat(provenance["settings"])])
     lists, recordings = provenance["inputs"][:n_lists], provenance["inputs"][n_lists:]
     of_recordings = Fold(f"SHA-256 of the {counted(len(recordings), 'recording')}", _hashes(recordings))

@@ -20,7 +20,7 @@ from ropefric.files.plain_text import visible
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import parts
-from ropefric.section import Section, percent, plain
+from ropefric.section import Section, percent, plain, plus_minus
 from ropefric.trials.campaign_model import ReportWords
 
 _INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
@@ -232,7 +232,7 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
         cells = parts.setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
         (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
         where = f"mean ± standard error for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
-        yield Fact("Lift force of the design", f"{parts.plus_minus(found.lift_force_N[0], std_N)} N", where)
+        yield Fact("Lift force of the design", f"{plus_minus(found.lift_force_N[0], std_N)} N", where)
         level = f"{100 * found.level:g} %"
         mean = "of the mean law: the average of many new ropes"
         yield Fact(f"{level} confidence interval", f"{parts.ends(found.interval_N[0], std_N)} N", mean)

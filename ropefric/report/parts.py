@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.diagnose import Diagnosis
+from ropefric.fitting.diagnose import WORDS, Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import answer_label, counted
-from ropefric.section import WIDTH, Section, percent, plain, shorthand, to_error
+from ropefric.section import WIDTH, Section, percent, plain, plus_minus, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
@@ -27,13 +27,6 @@ if TYPE_CHECKING:
 
 LEAST_SHARE = 0.001
 """Of the variance: in a report, sources below are named and have no line."""
-
-
-def plus_minus(value: float, std: float) -> str:
-    """Return a value and its standard deviation, both to the second digit of the latter: 1101 ± 110."""
-    if not math.isfinite(std) or std <= 0.0:
-        return plain(value, ".5g")
-    return f"{to_error(value, std)} ± {to_error(std, std)}"
 
 
 def ends(of: Iterable[float], std: float) -> str:
@@ -82,10 +75,14 @@ def notes_sections(fit: FitResult) -> tuple[Section, ...]:
 
 def origin_section(fit: FitResult) -> Section:
     """Return the data of a fit, and the range of its conditions."""
-    source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
-    made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
-    lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
+    source, versions = fit.provenance.get("input", {}), versions_in_words(fit.provenance.get("versions", {}))
+    lines = (f"from {source.get('path') or 'no file'}, with {versions or 'unknown versions'}", "tested:")
     return Section("Origin and tested range", lines, notes=tested_ranges(fit))
+
+
+def versions_in_words(versions: Mapping[str, str]) -> str:
+    """Return the programs that something was made with; the method of its errors is none."""
+    return ", ".join(f"{name} {number}" for name, number in sorted(versions.items()) if name != "errors")
 
 
 def verdict_section(verdict: Verdict, title: str) -> Section:
@@ -121,10 +118,10 @@ def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
         names[one.supported].append(one.cause)
     notes = [f"{one.cause}: {one.evidence}" for one in diagnosis.causes if one.supported == "yes"]
     others = (
-        ("no", "not supported", ""),
-        ("cannot-tell", "not tested", "; `ropefric diagnose` names the tests"),
+        ("no", ""),
+        ("cannot-tell", "; `ropefric diagnose` names the tests that decide"),
     )
-    notes += [f"{words}: {', '.join(names[kind])}{more}" for kind, words, more in others if names[kind]]
+    notes += [f"{WORDS[kind]}: {', '.join(names[kind])}{more}" for kind, more in others if names[kind]]
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 
 
@@ -216,7 +213,7 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
         f"expected: {expected_values}",
     )
     title = f"{conditions} to test, {pulls}, the best for the wanted prediction"
-    headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
+    headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the limit")
     what = Section(title, lines, headings, rows, notes=plan.notes)
     return what, *(_worth_section(plan, i) for i in range(len(plan.wanted)))
 

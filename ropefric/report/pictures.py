@@ -56,14 +56,8 @@ def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: E
         "The law and the measured conditions. Inner band: 95 % for the mean law; outer band: 95 % of pulls with a new "
         "rope; hatched: not tested."
     )
-    over = (*_swept(answer), _SWEPT[0])[0]
+    over = (*of_laws.varied(answer.fit, _SWEPT), _SWEPT[0])[0]
     yield "front", "law", caption, partial(of_laws.draw_fit_band, answer.fit, over=over)
-
-
-def _swept(answer: CampaignAnswer) -> list[str]:
-    """Return the regressors that the trials change."""
-    validity = answer.fit.validity
-    return [name for name in _SWEPT if validity[name][1] > validity[name][0]]
 
 
 def _of_trials(extraction: Extraction) -> Drawings:
@@ -85,14 +79,12 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     # Two lines: others would lie on one another.
     fits = [fit, *(other for other in answer.fits if other.law == "constant" != fit.law)]
     if fit.statistics.n_conditions > 1:
-        caption = (
-            "Average coefficient of friction of every condition against end tension, wrap and wheel radius. The capstan "
-            "equation is a level line."
-        )
+        varied = " and ".join(REGRESSORS[name][0] for name in of_laws.varied(fit))
+        caption = f"Average coefficient of friction against {varied}. The capstan equation is a level line."
         yield "friction", "mu_facets", caption, partial(of_laws.draw_mu_facets, fits)
         caption = "ln(F_A/F_B) against the wrap. The capstan equation is a straight line through the origin."
         yield "friction", "capstan", caption, partial(of_laws.draw_capstan, fits)
-    for name in _swept(answer)[1:]:  # the first stands on the first page
+    for name in of_laws.varied(fit, _SWEPT)[1:]:  # the first stands on the first page
         title = REGRESSORS[name][0]
         caption = f"The law and the measured conditions over the {title}."
         stem = f"fit_over_{title.replace(' ', '_')}"

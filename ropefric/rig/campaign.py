@@ -151,6 +151,12 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
     by_condition = 1.0 + plan.bench.condition_scatter * rng.standard_normal((law_N.size, 1))
     by_trial = 1.0 + plan.bench.trial_scatter * rng.standard_normal((law_N.size, plan.repeats))
     lift_N = law_N[:, np.newaxis] * by_condition * by_trial
+    ends_N = np.array([one.end_tension_N for one in plan.conditions])
+    if weak := np.argwhere(lift_N <= ends_N[:, np.newaxis]).tolist():
+        (first, repeat), n = weak[0], f"{len(weak)} of {lift_N.size} break-away forces"
+        example = f"{lift_N[first, repeat]:.4g} N at {ends_N[first]:.4g} N"
+        text = f"with the scatter of the bench {n} do not exceed their end tension; the first is {example}"
+        raise InputError(text, key="parameters", fix="choose parameters that give more friction")
     dealt = _deal_faults(plan, np.repeat(law_N, plan.repeats), np.random.default_rng([seed, 1]))
     trials = []
     for number, (condition, force_N) in enumerate(zip(plan.conditions, law_N.tolist(), strict=True)):

@@ -3,7 +3,7 @@
 import re
 
 
-def test_templates_are_written_and_never_over_others_work(call, tmp_path):
+def test_templates_are_written_never_over_others_work_and_check_says_what_is_left_to_do(call, tmp_path):
     done = call("init", tmp_path / "mine")
     assert done.code == 0
     assert "wrote" in done.out
@@ -18,14 +18,11 @@ def test_templates_are_written_and_never_over_others_work(call, tmp_path):
     assert campaign.read_text(encoding="utf-8") == "mine"
     assert call("init", tmp_path / "mine", "--force", "-q").code == 0
     assert campaign.read_text(encoding="utf-8") != "mine"
-
-
-def test_what_is_left_to_do_is_said_by_check(call, tmp_path):
-    call("init", tmp_path / "mine")
+    # Only the recordings are missing.
     done = call("check", tmp_path / "mine", "--json")
     errors = [p["message"] for p in done.json()["problems"] if p["severity"] == "error"]
     assert (done.code, bool(errors)) == (3, True)
-    assert all("is not there" in message for message in errors)  # only the recordings are missing
+    assert all("is not there" in message for message in errors)
 
 
 def test_scenes_can_be_solved_at_once(call, tmp_path, monkeypatch):

@@ -43,17 +43,22 @@ def test_a_text_is_read_whatever_its_ending(call, recording, tmp_path):
     assert "did you mean 'delimited'?" in call("inspect", odd, "--format", "delimted").err
 
 
-def test_what_is_no_recording_is_refused_with_3(call, tmp_path):
+def test_what_is_no_recording_is_refused_with_3(call, bench, tmp_path):
     for content in (b"", b"\x00\x01\x02\xff" * 50):
         path = tmp_path / "odd.csv"
         path.write_bytes(content)
         done = call("inspect", path)
         assert (done.code, done.out) == (3, "")
         assert "odd.csv" in done.err
-    assert "there is no such file" in call("inspect", tmp_path / "nope").err
+    for path, told in (
+        (tmp_path / "nope", "there is no such file"),
+        (bench, "this is a folder"),
+        (bench, "ropefric check"),
+    ):
+        assert told in call("inspect", path).err
 
 
-def test_the_only_column_in_newtons_is_suggested_as_the_force(call, tmp_path):
+def test_the_only_column_in_newtons_is_suggested_as_the_force_and_of_two_none(call, tmp_path):
     path = tmp_path / "zug.csv"
     rows = "".join(f"{10 * i};{i};{i},5\n" for i in range(9))
     path.write_text("Zeit (ms);Weg [mm];Kraft [N]\n" + rows, encoding="utf-8")
@@ -64,21 +69,12 @@ def test_the_only_column_in_newtons_is_suggested_as_the_force(call, tmp_path):
     profile = tmp_path / "import.toml"
     assert call("inspect", path, "--write-profile", profile).code == 0
     assert tomllib.loads(profile.read_text(encoding="utf-8"))["import"]["channels"]["force"] == "Kraft [N]"
-
-
-def test_of_two_columns_in_newtons_none_is_suggested(call, tmp_path):
-    path = tmp_path / "zug.csv"
+    # Of two such columns none is suggested.
     path.write_text("Zeit (ms);oben [N];unten [kN]\n" + "".join(f"{i};{i};{i}\n" for i in range(9)),
         encoding="utf-8")  # fmt: skip
     done = call("inspect", path)
     assert "force =" not in done.out
     assert "which column is the force" in done.out
-
-
-def test_a_folder_is_no_recording(call, bench):
-    done = call("inspect", bench)
-    assert done.code == 3
-    assert all(one in done.err for one in ("this is a folder", "ropefric check"))
 
 
 def test_real_recordings_of_every_layout(call, real_data):

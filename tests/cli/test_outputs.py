@@ -53,35 +53,22 @@ def test_a_recording_is_an_input_too(call, campaign, tmp_path):
     assert "conditions.csv  this is an input" in done.err
 
 
-def test_a_table_is_not_replaced_by_its_fit(call, tmp_path):
-    table = shutil.copy(TRIALS, tmp_path / "T.csv")
-    for force in ((), ("--force",)):
-        done = call("fit", table, "--law", "constant", "--out", table, *force)
-        assert done.code == 3
-        assert "T.csv  this is an input of the same command" in done.err
-    assert table.read_bytes() == TRIALS.read_bytes()
-
-
-def test_a_fit_is_not_replaced_by_its_plan_nor_a_recording_by_its_profile(call, campaign, tmp_path):
-    fit = shutil.copy(FIT, tmp_path / "fit.json")
-    words = [fit if word == FIT else word for word in PLAN]
-    assert "this is an input" in call(*words, "--out", fit, "--force").err
-    assert fit.read_bytes() == FIT.read_bytes()
-    recording = min((campaign / "traces").iterdir())
-    before = recording.read_bytes()
-    assert "this is an input" in call("inspect", recording, "--write-profile", recording, "--force").err
-    assert recording.read_bytes() == before
-
-
-def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path):
+def test_no_command_writes_over_what_it_reads(call, campaign, tmp_path):
+    table, fit = shutil.copy(TRIALS, tmp_path / "T.csv"), shutil.copy(FIT, tmp_path / "answer.json")
+    scene, recording = tmp_path / "hoist.toml", min((campaign / "traces").iterdir())
     text = (SCENES / "hoist.toml").read_text(encoding="utf-8")
-    path, fit = tmp_path / "hoist.toml", shutil.copy(FIT, tmp_path / "answer.json")
     assert "../../fits/prth-coupled.json" in text
-    path.write_text(text.replace("../../fits/prth-coupled.json", "answer.json"), encoding="utf-8")
-    done = call("solve", path, "--out", tmp_path, "--force")
-    assert done.code == 3
-    assert "answer.json  this is an input" in done.err
-    assert fit.read_bytes() == FIT.read_bytes()
+    scene.write_text(text.replace("../../fits/prth-coupled.json", "answer.json"), encoding="utf-8")
+    read = {path: path.read_bytes() for path in (table, fit, scene, recording)}
+    plan = [fit if word == FIT else word for word in PLAN]
+    for words, name in ((("fit", table, "--law", "constant", "--out", table), "T.csv"),
+            ((*plan, "--out", fit), "answer.json"), (("solve", scene, "--out", tmp_path), "answer.json"),
+            (("inspect", recording, "--write-profile", recording), recording.name)):  # fmt: skip
+        for force in ((), ("--force",)):
+            done = call(*words, *force)
+            assert done.code == 3
+            assert f"{name}  this is an input of the same command" in done.err
+            assert {path: path.read_bytes() for path in read} == read
 
 
 # --- what others wrote ---
@@ -149,25 +136,21 @@ def test_a_file_that_exists_is_not_written_over(call, bench, tmp_path):
         assert (call(*words, path, "-q", "--force").code, path.read_text(encoding="utf-8")) == (0, made)
 
 
-def test_single_files_are_not_written_through_links(call, tmp_path):
-    (tmp_path / "mine.json").write_bytes(FIT.read_bytes())
-    (tmp_path / "link").symlink_to(tmp_path / "mine.json")
-    for words in (("fit", TRIALS, "--law", "constant", "--out"), (*PLAN, "--out")):
-        done = call(*words, tmp_path / "link", "--force")
-        assert done.code == 3
-        assert all(one in done.err for one in ("this is a link, to ", "mine.json"))
-    assert (tmp_path / "mine.json").read_bytes() == FIT.read_bytes()
-
-
-def test_new_campaigns_are_not_written_through_links(call, tmp_path):
+def test_nothing_is_written_through_links(call, tmp_path):
     for name in ("init", "simulated", "elsewhere"):
         (tmp_path / name).mkdir()
-    (tmp_path / "mine").write_text("mine", encoding="utf-8")
-    (tmp_path / "init" / "campaign.toml").symlink_to(tmp_path / "mine")
+    mine, target = tmp_path / "mine.json", tmp_path / "link"
+    mine.write_bytes(FIT.read_bytes())
+    for link in (target, tmp_path / "init" / "campaign.toml"):
+        link.symlink_to(mine)
     (tmp_path / "simulated" / "traces").symlink_to(tmp_path / "elsewhere")
+    for words in (("fit", TRIALS, "--law", "constant", "--out"), (*PLAN, "--out")):
+        done = call(*words, target, "--force")
+        assert done.code == 3
+        assert all(one in done.err for one in ("this is a link, to ", "mine.json"))
     assert call("init", tmp_path / "init", "--force").code == 3
     assert call("simulate", tmp_path / "simulated", "--conditions", "1", "--repeats", "1").code == 3
-    assert (tmp_path / "mine").read_text(encoding="utf-8") == "mine"
+    assert mine.read_bytes() == FIT.read_bytes()
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 

@@ -17,9 +17,11 @@ def test_faults_and_parameters_can_be_chosen(call, tmp_path):
     assert call("simulate", tmp_path / "c", "-p", "mu_inf=0.4", *small).json()["parameters"]["mu_inf"] == 0.4
 
 
-def test_unknown_names_are_answered_with_the_nearest(call, tmp_path):
-    folder = tmp_path / "a"
-    assert "did you mean 'spike'?" in call("simulate", folder, "--fault", "spik=1").err
-    assert "did you mean 'coupled'?" in call("simulate", folder, "--law", "coupeld").err
-    assert "did you mean 'mu_inf'?" in call("simulate", folder, "-p", "mu_imf=1").err
-    assert not folder.exists()
+def test_what_cannot_be_simulated_is_said_before_anything_is_written(call, tmp_path):
+    folder, slippery = tmp_path / "a", ("--law", "constant", "-p", "mu=0.001")
+    for words, said in (
+        (("--fault", "spik=1"), "did you mean 'spike'?"), (("-p", "mu_imf=1"), "did you mean 'mu_inf'?"),
+        (("--law", "coupeld"), "did you mean 'coupled'?"), (slippery, "parameters that give more friction"),
+    ):  # fmt: skip
+        assert said in call("simulate", folder, *words).err
+        assert not folder.exists()

@@ -81,6 +81,9 @@ def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, capfd):
     lift = answers.lift_of(run, at)
     assert lift["lift_force_N"] == pytest.approx(said["lift_force_N"], rel=1e-6)
     assert lift["interval_N"] == pytest.approx(said["interval_N"], rel=1e-4)
+    within = [math.degrees(end) for end in run.answer.fit.validity["wrap_angle_rad"]]
+    assert lift["tested_deg"] == within
+    assert answers.lift_of(run, at | {"end_tension_N": 6000.0})["tested_deg"] == []  # then no wrap was tested
     main(["design", "--fit", fit, "--lift", "200 N", *wheel[:2], *wheel[4:]])
     said = json.loads(capfd.readouterr().out)
     found = answers.inverse_of(run, {"lift_N": "200", "solve_for": "wrap", "probability": "0.95"}, at)

@@ -243,23 +243,15 @@ def test_a_campaign_changed_by_somebody_else_meanwhile_is_not_written_over(writt
     assert Draft(written.parent, written).propose(wish_of(tree))["difference"].count("\n-") == 1
 
 
-def test_of_two_windows_each_writes_only_what_it_has_shown(written):
+def test_of_two_windows_each_writes_only_what_it_has_shown_and_says_what_is_wrong_before(written):
     draft = Draft(written.parent, written)
     tree, before = shown(draft), written.read_bytes()
     tree["settings"]["name"] = "Mine too"
     mine = draft.propose(wish_of(tree))
-    tree["settings"]["name"] = "Theirs"
-    draft.propose(wish_of(tree))
+    tree["settings"] |= {"name": "Theirs", "rope": {"diameter": "11"}}
+    assert any("unit" in one for one in errors_of(draft.propose(wish_of(tree))))
     with pytest.raises(DataError, match="somebody else"):
         draft.write(mine["shown"], overwrite=True)
-    assert written.read_bytes() == before
-
-
-def test_what_is_wrong_with_a_change_is_told_before_it_is_written(written):
-    draft, before = Draft(written.parent, written), written.read_bytes()
-    tree = shown(draft)
-    tree["settings"]["rope"]["diameter"] = "11"
-    assert any("unit" in one for one in errors_of(draft.propose(wish_of(tree))))
     assert written.read_bytes() == before
 
 

@@ -199,10 +199,13 @@ def test_the_design_is_marked_with_its_interval():
     assert f"design: {found.lift_force_N[0]:.4g} N" in legend(axes)
 
 
-def test_a_law_without_an_answer_leaves_a_gap():
+def test_a_law_without_an_answer_leaves_a_gap_and_one_without_a_size_effect_has_one_line():
     made = chart()
     made.lift_force_N[0, 3] = np.nan
     assert np.isnan(draw_design_chart(made).tables[0].rows[3][3])
+    made.lift_force_N[1] = made.lift_force_N[0]
+    (axes,) = draw_design_chart(made).figure.axes
+    assert legend(axes) == ["$R_{\\mathrm{w}}$ = 20 to 50 mm, the same", "not tested: extrapolated"]
 
 
 # A sweep.

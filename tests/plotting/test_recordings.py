@@ -13,7 +13,8 @@ from ropefric.plotting.design import draw_ladder
 from ropefric.plotting.figure import figure_files
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.style import law_look
-from ropefric.trials.result import Outline
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.result import Outline, draw_outline
 from ropefric.trials.table import TrialTable
 
 
@@ -33,7 +34,15 @@ def test_a_peak_of_one_sample_is_not_lost_in_its_cell(trial):
     curve, _, numbers = _in_cell(trial("a"), outline())
     assert len(curve) <= 2 * 44
     assert curve[:, 1].min() == pytest.approx(0.86 - 0.5)  # the spike, on top of the cell
-    assert (numbers[0][2], numbers[1][2]) == ("10.0 to 90.0 N", "3 s")
+    assert (numbers[0][2], numbers[1][2]) == ("9.0 to 91.0 N", "3 s")
+
+
+def test_a_cell_says_the_extremes_and_the_length_of_the_recording_itself(trial):
+    time_s = np.arange(1600) / 200.0
+    force_N = np.interp(time_s, [0.0, 1.0, 3.7, 3.74, 8.0], [-0.004, 0.0, 134.9, 80.0, 80.0])
+    drawn = draw_outline(ForceTrace(time_s=time_s, force_N=force_N))
+    _, _, numbers = _in_cell(trial("a"), drawn)
+    assert (numbers[0][2], numbers[1][2]) == ("0 to 135 N", "8 s")
 
 
 def test_the_pick_stands_on_the_curve(trial):

@@ -11,7 +11,9 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
+from ropefric.fitting.next_tests import plan_tests, planned_fit
 from ropefric.fitting.predict import predict
+from ropefric.fitting.resolution import RigLimits
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline import (
     STEP,
@@ -70,6 +72,16 @@ def test_the_chart_holds_the_law_on_the_wheel_that_was_asked_for(capstan):
     expected = 60.0 * np.exp(capstan["mu"].value * chart.wrap_angle_rad)
     assert np.allclose(chart.lift_force_N[row], expected)
     assert chart.wrap_angle_rad[-1] > 9.0
+
+
+def test_the_marks_of_a_plan_do_not_hide_each_other(capstan):
+    limits = RigLimits(
+        wheel_radius_m=(0.02, 0.04, 0.06), wrap_angle_rad=(9.0,), end_tension_N=(30.0,), rope_radius_m=0.005
+    )
+    plan = plan_tests(planned_fit(capstan), limits, WHEEL, n_conditions=3, repeats=2)
+    marks = plan.plot().collections[0]
+    assert len({*marks.get_sizes()}) == 3
+    assert [*marks.get_sizes()] == sorted(marks.get_sizes(), reverse=True)
 
 
 def test_each_condition_has_a_budget_and_the_typical_one_is_the_median(run, evidence):

@@ -14,7 +14,7 @@ from ropefric.plotting.campaign import typical_trial
 from ropefric.report import page as pages
 from ropefric.report.campaign import summary_sections, write_report
 from ropefric.report.page import Wish
-from ropefric.report.parts import plus_minus
+from ropefric.section import plus_minus
 from ropefric.trials.campaign_model import ReportWords
 
 WORDS = ('\n[report]\nlab = "Friction & rope laboratory"\ncustomer = "Hoists Ltd."\nnumber = "2026-014"\n'

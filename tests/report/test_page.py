@@ -6,14 +6,16 @@ import html
 import json
 import math
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
 
 import pytest
 
+from ropefric.errors import Problem
 from ropefric.fitting.store import load_fit
 from ropefric.plotting.campaign import typical_trial
-from ropefric.report.parts import plus_minus
+from ropefric.section import plus_minus
 
 LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}
@@ -147,6 +149,15 @@ def test_every_trial_that_does_not_count_is_named_with_its_reason(page, results)
         assert f'>{row["trial"]}</th><td class="words">{verdict}</td>' in table
     kept = next(row["trial"] for row in rows if row["kept"] == "true")
     assert kept not in table
+
+
+def test_a_remark_says_where_by_the_name_of_the_file_alone(run, without_figures):
+    more = Problem(
+        code="RF212", message="the zero drifts", path="/home/me/daq/r7.csv", line=3, severity="warning"
+    )
+    extraction = replace(run.extraction, problems=(*run.extraction.problems, more))
+    assert "r7.csv:3: the zero drifts." in (page := without_figures(replace(run, extraction=extraction)))
+    assert "/home/me" not in page
 
 
 def test_recordings_with_a_remark_and_a_typical_one_a_condition_are_shown(run, evidence, page):

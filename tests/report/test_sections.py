@@ -60,13 +60,13 @@ def test_long_headings_are_folded_where_that_makes_a_table_fit():
     assert as_text([wide]).splitlines()[0] == "standard error  meaning"
 
 
-def test_causes_that_were_not_tested_are_one_line():
+def test_causes_that_are_undetermined_are_one_line():
     found = rf.diagnose(TRIALS, rf.compare(TRIALS, ["coupled"]))
     notes = diagnosis_section(found).notes
     supported = [one.cause for one in found.causes if one.supported == "yes"]
-    assert [note.partition(":")[0] for note in notes] == [*supported, "not supported", "not tested"]
-    untested = [one.cause for one in found.causes if one.supported == "cannot-tell"]
-    assert notes[-1] == f"not tested: {', '.join(untested)}; `ropefric diagnose` names the tests"
+    assert [note.partition(":")[0] for note in notes] == [*supported, "not supported", "undetermined"]
+    open_ = ", ".join(one.cause for one in found.causes if one.supported == "cannot-tell")
+    assert notes[-1] == f"undetermined: {open_}; `ropefric diagnose` names the tests that decide"
 
 
 def test_the_equation_of_a_law_has_its_parameters():

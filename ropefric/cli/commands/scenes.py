@@ -69,7 +69,7 @@ def solve(
     cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
-    """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
+    """Solve a scene: a hoist, press, saw, traction sheave, belt drive or line, with the effects it calls for.
 
     Exits with 4 when the friction behind the answer is not supported, when the error may be larger than the accuracy
     wanted, and when the machine does not do what it is for: a hoist that does not lift its payload, a press that

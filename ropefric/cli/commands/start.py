@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -86,25 +86,18 @@ def _write_scenes(out: Output, folder: Path, names: Sequence[str], *, overwrite:
     """Write scenes, all where none is named, and print the keys of those that are named."""
     written = scene_templates.write_scenes(folder, names, overwrite=overwrite)
     keys = scene_keys.keys_of(names) if names else {}
-    for line in _key_lines(keys):
-        out.note(line)
+    for system, rows in keys.items():
+        cells = [(row.name, row.unit, row.default, row.meaning) for row in rows]
+        title, headings = (
+            f"all keys of a scene with system = {system!r}:",
+            ("key", "unit", "default", "meaning"),
+        )
+        out.note(section.as_text([section.Section(title, (), headings, cells, left=4)]).rstrip("\n"))
     first = folder / "hoist.toml"
     out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
     trees = {system: [row._asdict() for row in rows] for system, rows in keys.items()}
     data = {"written": written, **({"keys": trees} if trees else {})}
     return Answer(data, "\n".join(f"wrote {path}" for path in written))
-
-
-def _key_lines(keys: dict[str, tuple["scene_keys.SceneKey", ...]]) -> Iterator[str]:
-    """Yield the table of all keys of some systems."""
-    for system, rows in keys.items():
-        yield f"all keys of a scene with system = {system!r}:"
-        table = [
-            ("key", "unit", "default", "meaning"),
-            *((r.name, r.unit, r.default, r.meaning) for r in rows),
-        ]
-        wide, unit, default = (max(len(row[column]) for row in table) for column in range(3))
-        yield from (f"  {a:{wide}}  {b:{unit}}  {c:{default}}  {d}" for a, b, c, d in table)
 
 
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}

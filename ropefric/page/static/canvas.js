@@ -21,7 +21,7 @@ export function ticks(low, high, most) {
   return found;
 }
 
-// `series`: name, color, line [[x, y]], band [[x, low, high]], points [[x, y, low, high]]; `tested`: x from, to; `shade`:
+// `series`: name, color, line [[x, y]], band [[x, low, high]], points [[x, y, low, high]]; `tested`: x from, to, or empty; `shade`:
 // x from, to; `mark`: x. Returns the scales, or null where there is nothing to draw.
 export function chart(canvas, { series, x, y, tested = null, shade = null, mark = null, zero = false }) {
   const { pen, color, line } = penOf(canvas), all = { x: [], y: zero ? [0] : [] };
@@ -52,7 +52,8 @@ export function chart(canvas, { series, x, y, tested = null, shade = null, mark 
   pen.beginPath(); pen.rect(EDGE.left, EDGE.top, width, height); pen.clip();
   if (shade) { pen.fillStyle = color("sliding"); pen.fillRect(X(shade[0]), EDGE.top, X(shade[1]) - X(shade[0]), height); }
   if (tested) {
-    for (const [from, to] of [[left, tested[0]], [tested[1], right]]) hatch(pen, X(from), X(to), EDGE.top, height, color("line"));
+    const outside = tested.length ? [[left, tested[0]], [tested[1], right]] : [[left, right]];
+    for (const [from, to] of outside) hatch(pen, X(from), X(to), EDGE.top, height, color("line"));
   }
   for (const one of series) {
     const own = color(one.color);

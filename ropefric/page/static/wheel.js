@@ -68,7 +68,8 @@ function draw() {
   if (!W.lift) return;
   chart($("w-plot"), { series: [{ color: "s0", line: W.lift.line, band: W.lift.band }], x: "wrap φ [deg]", y: "F_A [N]",
     tested: W.lift.tested_deg, mark: W.at.wrap_angle_rad * 180 / Math.PI });
-  $("w-plot").setAttribute("aria-label", `Lift force over the wrap, tested from ${W.lift.tested_deg.map((x) => plain(x)).join("° to ")}°: ${$("w-lift").textContent}`);
+  const range = W.lift.tested_deg.map((x) => plain(x)).join("° to "), tested = range ? `tested from ${range}°` : "none of it tested";
+  $("w-plot").setAttribute("aria-label", `Lift force over the wrap, ${tested}: ${$("w-lift").textContent}`);
 }
 
 async function inverse() {

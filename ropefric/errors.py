@@ -118,7 +118,9 @@ class RopefricError(Exception):
     def __str__(self) -> str:
         text = f"{self.where}: {self.problem.message}" if self.where else self.problem.message
         text = f"{text} Fix: {self.fix}" if self.fix else text
-        return f"{text} (the first of {len(self.problems)}, see .problems)" if len(self.problems) > 1 else text
+        return (
+            f"{text} (the first of {len(self.problems)}, see .problems)" if len(self.problems) > 1 else text
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Keyword-only arguments do not survive the default pickling, and errors cross process borders here.

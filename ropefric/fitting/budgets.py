@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import has_interval, outside_words
@@ -23,7 +23,6 @@ from ropefric.traces.calibration import chain_quantities
 from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.uncertainty.budget import (
-    Block,
     BudgetStatus,
     MeasurementModel,
     Quantity,
@@ -117,32 +116,25 @@ def _mean(values: Iterable[float]) -> float:
 class _LiftForce:
     """F_A of draws of all quantities, a class because figures of a budget are drawn in other processes.
 
-    Columns: the four settings, scatter up to `first`, the c errors in common, which move all parameters by `common`
-    (p, c), then the free parameters.
+    Columns: the four settings, then what changes ln F_A by `slopes`. The law is one of these. Its parameters are not
+    drawn: in the curved valley of a law that the data hardly determine their covariance is none of the forces, while
+    ln F_A is as straight as its interval takes it to be.
     """
 
     law: str
     theta: FloatArray
-    free: BoolArray
-    first: int
-    common: FloatArray
+    slopes: FloatArray
 
     def __call__(self, inputs: FloatArray) -> FloatArray:
         """Return F_A [N], shape (n,); NaN where a setting is no setting."""
-        law, k = law_named(self.law), self.first + self.common.shape[1]
         answered = (inputs[:, :4] > 0.0).all(axis=1)
         found = np.full(len(inputs), np.nan)
         if answered.any():
             rows = inputs[answered]
-            sets = np.tile(self.theta, (len(rows), 1))
-            sets[:, self.free] = rows[:, k:]
-            sets += rows[:, self.first : k] @ self.common.T
-            # As in every prediction: a draw beyond a bound of the law counts as on it.
-            sets = np.clip(sets, np.minimum(law.lower, self.theta), np.maximum(law.upper, self.theta))
             at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
             with np.errstate(over="ignore"):
                 found[answered] = np.exp(
-                    law.log_lift_of_pairs(sets, at) + rows[:, 4 : self.first].sum(axis=1)
+                    law_named(self.law).log_lift(self.theta, at) + rows[:, 4:] @ self.slopes
                 )
         return found
 
@@ -157,7 +149,7 @@ def lift_model(
     if len(wheel) != 1:
         text = f"{len(wheel)} wheels; a budget is of one"
         raise InputError(text, key="conditions", fix="ask one at a time")
-    law, theta, free = fit.friction_law, fit.theta, fit.shown
+    law, theta = fit.friction_law, fit.theta
     F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
     quantities = [
         Quantity(*words, wheel_std.get(key, 0.0), estimate=float(getattr(wheel, key)[0]))
@@ -168,35 +160,35 @@ def lift_model(
             text = f"the fit of {fit.law} knows no scatter, so one pull has no interval"
             raise InputError(text, key="one_pull", fix="repeat conditions, or request the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
-        own = fit.scatter.one_pull(np.log([F_A]), np.log(F_A / wheel.end_tension_N))
-        ((variance,), (dof,)) = fit.scatter.integrated(np.zeros((1, theta.size)), own)
+        of_pull = fit.scatter.one_pull(np.log([F_A]), np.log(F_A / wheel.end_tension_N))
+        ((variance,), (dof,)) = fit.scatter.integrated(np.zeros((1, theta.size)), of_pull)
         new = math.sqrt(variance)
         quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=float(dof), type="A"))
-    first = len(quantities)
+    slopes = [1.0] * (len(quantities) - 4)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
+    of_law, free = law.jacobian(theta, wheel), fit.shown
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
     common = fit.common_changes / [item.std for item in fit.common_errors]
-    covariance = fit.covariance - fit.common_changes @ fit.common_changes.T
-    of_law = law.jacobian(theta, wheel)
-    if fit.scatter.mixtures:
-        covariance = covariance * (fit.scatter.integrated(of_law)[0] / (of_law @ covariance @ of_law.T)[0])
-    block = Block(
-        name=f"parameters of {law.name}",
-        symbols=tuple(np.array(law.parameter_names)[free].tolist()),
-        estimates=theta[free],
-        covariance=np.asarray(covariance)[np.ix_(free, free)],
-        dof=float(fit.scatter.dof(of_law)[0]) if has_interval(fit) else 1.0,
-    )
-
-    evaluate = _LiftForce(fit.law, theta, free, first, common)
+    slopes += (of_law @ common)[0].tolist()
+    if free.any():
+        own = fit.covariance - fit.common_changes @ fit.common_changes.T
+        averaged = fit.scatter.integrated(of_law)[0] if fit.scatter.mixtures else (of_law @ own @ of_law.T)[0]
+        if not math.isfinite(variance := float(averaged[0])):
+            text = f"the covariance of {law.name} is not finite, so the data do not show all parameters"
+            fix = "measure the conditions that would show them, or fit a simpler law"
+            raise InputError(text, key=law.name, fix=fix)
+        dof = float(fit.scatter.dof(of_law)[0]) if has_interval(fit) else 1.0
+        known: dict[str, Any] = {"dof": dof, "type": "A", "parameters": int(free.sum())}
+        quantities.append(
+            Quantity(f"parameters of {law.name}", "δ_law", "-", math.sqrt(max(variance, 0.0)), **known)
+        )
+        slopes.append(1.0)
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
     by_rope = float(rope_slopes(law, theta, wheel)[0])
-    slopes = [by_radius, by_rope, by_wrap, by_log_tension / wheel.end_tension_N[0]]
-    by_parameter = law.jacobian(theta, wheel)[0]
-    slopes += [1.0] * (first - 4)
-    by_all = F_A * np.concatenate([slopes, by_parameter @ common, by_parameter[free]])
-    name, known = "lift force of one pull" if one_pull else "lift force", block if free.any() else None
-    return MeasurementModel(name, "F_A", "N", tuple(quantities), evaluate, by_all, known)
+    by_all = F_A * np.array([by_radius, by_rope, by_wrap, by_log_tension / wheel.end_tension_N[0], *slopes])
+    evaluate = _LiftForce(fit.law, theta, np.array(slopes))
+    name = "lift force of one pull" if one_pull else "lift force"
+    return MeasurementModel(name, "F_A", "N", tuple(quantities), evaluate, by_all)
 
 
 def state_lift(

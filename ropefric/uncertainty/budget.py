@@ -1,8 +1,7 @@
 """Input quantities, and from a measurement equation to the statement of its uncertainty.
 
-In go single quantities, and quantities known together with their covariance. A budget by the law of propagation of
-uncertainty (JCGM 100): one line a source, their sum, and the expanded uncertainty; its check by draws (JCGM 101); and
-what would make it smaller.
+A budget by the law of propagation of uncertainty (JCGM 100): one line a source, their sum, and the expanded
+uncertainty; its check by draws (JCGM 101); and what would make it smaller. Here, too, are the roots of a covariance.
 """
 
 import math
@@ -91,6 +90,7 @@ class Quantity:
     type: Evaluation = "B"
     dof: float = math.inf
     repeats: int = 0
+    parameters: int = 0  # of the fit that it comes from
     assumed: str = ""
 
     def __post_init__(self) -> None:
@@ -112,28 +112,6 @@ class Quantity:
             return np.asarray(rng.uniform(self.estimate - half, self.estimate + half, n))
         shape = rng.standard_normal(n) if math.isinf(self.dof) else rng.standard_t(self.dof, n)
         return np.asarray(self.estimate + self.std * shape)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Block:
-    """Quantities known together, with their covariance: the parameters of a fitted law."""
-
-    name: str
-    symbols: tuple[str, ...]
-    estimates: FloatArray
-    covariance: FloatArray
-    dof: float = math.inf
-    type: Evaluation = "A"
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
-            text = f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}"
-            fix = "measure the conditions that would show it, or fit a simpler law"
-            raise InputError(text, key=self.name, fix=fix)
-
-    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
-        """Return n draws, shape (n, q); see `joint_draws`."""
-        return joint_draws(self.estimates, directions(self.covariance), dof=self.dof, n=n, rng=rng)
 
 
 def limit_of_error(
@@ -169,7 +147,7 @@ _UNANSWERED = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasurementModel:
-    """A measurement equation y = f(x), x the k single quantities and then the q of a block."""
+    """A measurement equation y = f(x) of independent quantities x, with its slopes at their estimates."""
 
     name: str
     symbol: str
@@ -177,7 +155,6 @@ class MeasurementModel:
     quantities: tuple[Quantity, ...]
     evaluate: Callable[[FloatArray], FloatArray]
     sensitivities: FloatArray
-    block: Block | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
@@ -185,9 +162,8 @@ class MeasurementModel:
 
     @property
     def inputs(self) -> FloatArray:
-        """Return the estimates of all inputs, shape (k + q,)."""
-        singles = np.array([item.estimate for item in self.quantities])
-        return singles if self.block is None else np.concatenate([singles, self.block.estimates])
+        """Return the estimates of all inputs, shape (k,)."""
+        return np.array([item.estimate for item in self.quantities])
 
     @property
     def estimate(self) -> float:
@@ -196,16 +172,13 @@ class MeasurementModel:
 
     def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
         """Return the answer to n draws of the inputs, shape (n,); NaN where there is none."""
-        columns = [item.draw(rng, n)[:, np.newaxis] for item in self.quantities]
-        if self.block is not None:
-            columns.append(self.block.draw(rng, n))
-        return self.evaluate(np.hstack(columns))
+        return self.evaluate(np.column_stack([item.draw(rng, n) for item in self.quantities]))
 
 
 class BudgetLine(NamedTuple):
     """One source of uncertainty."""
 
-    source: Quantity | Block
+    source: Quantity
     sensitivity: float
     contribution: float
     share: float
@@ -218,24 +191,20 @@ class BudgetLine(NamedTuple):
     @property
     def label(self) -> str:
         """Return its name, with the word where its uncertainty is assumed and nobody stated it."""
-        assumed = isinstance(self.source, Quantity) and self.source.assumed
-        return f"{self.name} (assumed)" if assumed else self.name
+        return f"{self.name} (assumed)" if self.source.assumed else self.name
 
     def to_dict(self) -> dict[str, Any]:
         """Return the line as JSON-able values; what a block has none of is None."""
-        item, family = self.source, "multivariate normal" if math.isinf(self.source.dof) else "multivariate t"
-        names = ("name", "type", "unit", "estimate", "stated", "divisor")
-        row = {name: getattr(item, name, None) for name in names} | {
+        item = self.source
+        names = ("name", "symbol", "type", "unit", "estimate", "stated", "divisor", "distribution")
+        return {name: getattr(item, name) for name in names} | {
+            "assumed": item.assumed or None,
             "contribution": self.contribution,
             "share": self.share,
             "dof": item.dof if math.isfinite(item.dof) else None,
-            "standard_uncertainty": getattr(item, "std", None),
-            "sensitivity": self.sensitivity if math.isfinite(self.sensitivity) else None,
+            "standard_uncertainty": item.std,
+            "sensitivity": self.sensitivity,
         }
-        if isinstance(item, Block):
-            return row | {"symbol": ", ".join(item.symbols), "distribution": family}
-        own = {"symbol": item.symbol, "distribution": item.distribution, "assumed": item.assumed or None}
-        return row | own
 
 
 class LinearBudget(NamedTuple):
@@ -267,8 +236,7 @@ class LinearBudget(NamedTuple):
 def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float:
     """Return ν_eff = u_c⁴/Σ(uᵢ⁴/νᵢ), eq. (G.2b) of JCGM 100; infinite if all are.
 
-    It holds for independent contributions; one that comes from correlated quantities enters as a whole, with the
-    degrees of freedom of their covariance.
+    It holds for independent contributions.
     """
     total = math.fsum(u**4 / nu for u, nu in zip(contributions, dof, strict=True) if u > 0.0)
     return math.hypot(*contributions) ** 4 / total if total > 0.0 else math.inf
@@ -277,22 +245,17 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
     check_level(level)
-    k, block = len(model.quantities), model.block
-    sources: list[Quantity | Block] = [*model.quantities]
-    slopes = model.sensitivities[:k].tolist()
-    sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
-    if block is not None:
-        moved = model.sensitivities[k:] @ directions(block.covariance)
-        sources, slopes, sizes = [*sources, block], [*slopes, math.nan], [*sizes, math.hypot(*moved)]
+    slopes = model.sensitivities.tolist()
+    sizes = [abs(slope) * item.std for item, slope in zip(model.quantities, slopes, strict=True)]
     combined = math.hypot(*sizes)
     if combined == 0.0:
         text = f"nothing that goes into {model.name} is uncertain"
         raise InputError(text, key=model.name, fix="give an uncertainty")
     lines = [
         BudgetLine(source, slope, size, (size / combined) ** 2)
-        for source, slope, size in zip(sources, slopes, sizes, strict=True)
+        for source, slope, size in zip(model.quantities, slopes, sizes, strict=True)
     ]
-    dof = effective_dof(sizes, [source.dof for source in sources])
+    dof = effective_dof(sizes, [source.dof for source in model.quantities])
     return LinearBudget(
         estimate=model.estimate,
         lines=tuple(sorted(lines, key=lambda line: -line.contribution)),
@@ -348,7 +311,8 @@ class BudgetStatus(AdvisedStatus):
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
         "draws-disagree: The draws disagree with the budget: the answer is not linear within the uncertainty of "
-        "the inputs, or an input with a rectangular distribution dominates. Use the interval of the draws, not y ± U."
+        "the inputs, or an input with a rectangular distribution or few degrees of freedom dominates. Use the interval "
+        "of the draws, not y ± U."
     )
     FIT_NOT_TRUSTED = "fit-not-trusted: The fit cannot be trusted, nor can its contribution to the budget."
 
@@ -457,10 +421,10 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
         contributions = [one.contribution for one in budget.lines]
         dof = [one.source.dof for one in budget.lines]
         factor = math.sqrt(0.5)
-        if isinstance(line.source, Block):
+        if q := line.source.parameters:
             # k − q degrees of freedom become 2k − q.
             action = f"twice the conditions behind the {line.name}"
-            dof[place] += dof[place] + len(line.source.symbols)
+            dof[place] += dof[place] + q
         elif n := line.source.repeats:
             action = f"{2 * n} instead of {n} repeats"
             dof[place] += n

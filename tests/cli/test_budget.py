@@ -69,8 +69,8 @@ def test_what_it_cannot_follow_is_told(call):
 
 
 def test_the_check_is_told_with_its_numbers(call):
-    done = call("budget", "--fit", LARGER, *WHEEL, "--quiet")
-    found = call("budget", "--fit", LARGER, *WHEEL, "--json").json()
+    words = ("--fit", LARGER, *WHEEL, "--u-wrap", "200 deg")
+    done, found = call("budget", *words, "--quiet"), call("budget", *words, "--json").json()
     flat = " ".join(done.out.split())
     gap = 100 * max(found["monte_carlo"]["gaps"]) / found["expanded"]
     assert "draws (seed 0) do not agree with y ± U" in flat

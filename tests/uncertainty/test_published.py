@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ropefric.uncertainty.budget import (
-    Block,
     MeasurementModel,
     Quantity,
+    directions,
     effective_dof,
     limit_of_error,
     linear_budget,
@@ -25,10 +25,10 @@ def test_effective_degrees_of_freedom_of_g_4():
     assert quantile(0.975, dof) == pytest.approx(2.09, abs=0.005)
 
 
-VOLTAGE = Block(name="V, I, φ", symbols=("V", "I", "phi"), estimates=np.array([4.9990, 19.6610e-3, 1.04446]),
-    covariance=np.outer([0.0032, 0.0095e-3, 0.00075],
-    [0.0032, 0.0095e-3, 0.00075]) * np.array([[1.0, -0.36, 0.86], [-0.36, 1.0, -0.65], [0.86, -0.65, 1.0]]),
-    dof=4.0)  # fmt: skip
+VOLTAGE = np.array([4.9990, 19.6610e-3, 1.04446])
+COVARIANCE = np.outer([0.0032, 0.0095e-3, 0.00075], [0.0032, 0.0095e-3, 0.00075]) * np.array(
+    [[1.0, -0.36, 0.86], [-0.36, 1.0, -0.65], [0.86, -0.65, 1.0]]
+)
 
 
 @pytest.mark.parametrize(("function", "value", "std"),
@@ -36,19 +36,15 @@ VOLTAGE = Block(name="V, I, φ", symbols=("V", "I", "phi"), estimates=np.array([
     (lambda v, i, _: v / i, 254.260, 0.236)], ids=["R", "X", "Z"])  # fmt: skip
 def test_correlated_inputs_of_h_2(function, value, std):
     """JCGM 100, H.2: resistance, reactance, impedance from correlated voltage, current and phase."""
-
-    def evaluate(x):
-        return function(*x.T)
-
-    at, step = VOLTAGE.estimates, np.array([1e-4, 1e-7, 1e-5])
-    slopes = [float(evaluate((at + d)[None, :])[0] - evaluate((at - d)[None, :])[0]) / (2 * d.sum())
-        for d in np.diag(step)]  # fmt: skip
-    model = MeasurementModel(name="y", symbol="y", unit="Ω", quantities=(), block=VOLTAGE, evaluate=evaluate,
-        sensitivities=np.array(slopes))  # fmt: skip
+    turned, step = directions(COVARIANCE), np.array([1e-4, 1e-7, 1e-5])
+    slopes = [(function(*(VOLTAGE + d)) - function(*(VOLTAGE - d))) / (2 * d.sum()) for d in np.diag(step)]
+    model = MeasurementModel(name="y", symbol="y", unit="Ω", quantities=tuple(Quantity(n, n, "-", 1.0) for n in "abc"),
+        evaluate=lambda x: function(*(VOLTAGE + x @ turned.T).T), sensitivities=slopes @ turned)  # fmt: skip
     budget = linear_budget(model)
     # The inputs are printed to two digits of their uncertainty, and strongly correlated.
-    assert (budget.estimate, budget.effective_dof) == (pytest.approx(value, abs=0.006), pytest.approx(4.0))
+    assert budget.estimate == pytest.approx(value, abs=0.006)
     assert budget.combined == pytest.approx(std, abs=0.0015)
+    assert propagate(model, budget).agrees
 
 
 def sum_of(quantities):

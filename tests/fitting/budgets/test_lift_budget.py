@@ -86,6 +86,18 @@ def test_a_wheel_known_too_badly_is_found_out_by_the_draws(wrap_fit):
     assert high > stated.budget.interval[1]
 
 
+def test_parameters_that_the_data_do_not_show_leave_the_force_as_sure_as_its_prediction():
+    """One end tension: five parameters lie in a curved valley, along which the forces stay what they are."""
+    at = grid([0.02, 0.035, 0.06], [3.0, 6.0, 9.0, 12.0], [60.0], 4)
+    log_lift = ALL_LAWS["coupled"].log_lift(np.array([0.5, -0.25, -0.05, -0.6, 0.08]), at)
+    scatter = 0.015 * np.random.default_rng(3).standard_normal(len(at))
+    fit = fit_law(table_at(at, log_lift + scatter), "coupled")
+    stated, found = state_lift(fit, WHEEL, {}), predict(fit, WHEEL)
+    assert str(fit.status) == "unidentifiable"
+    assert stated.drawn.agrees
+    assert stated.drawn.symmetric_interval == pytest.approx(found.interval_N[0], rel=0.02)
+
+
 def test_same_seed_same_statement(wrap_fit):
     model = lift_model(wrap_fit, WHEEL, UNSURE)
     first, second = (state_uncertainty(model, draws=20_000, seed=7).to_dict() for _ in range(2))

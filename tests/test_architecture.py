@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_OF_A_MODULE = 37_150, 500
+MOST_LINES, MOST_OF_A_MODULE = 37_100, 500
 """Lines of code, in all and of a module: those that are not blank, comment or part of a docstring."""
 MOST_COMPLEX = 20
 """Branches of a function."""

@@ -16,7 +16,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.glossary import answer_label, counted
 from ropefric.section import WIDTH, Section, percent, plain, plus_minus, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
-from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement
 
 if TYPE_CHECKING:
     from ropefric.scenes.draws import Draws
@@ -269,9 +269,8 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
 
 
 def _budget_row(line: BudgetLine) -> tuple[str, ...]:
-    of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.source.dof, ".3g")
-    if not isinstance(item := line.source, Quantity):
-        return (line.name, "θ", *["–"] * 4, "", f"{line.source.type}, joint with covariance", "–", *of_answer)
+    item = line.source
+    of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(item.dof, ".3g")
     divisor = next((text for value, text in _DIVISORS.items() if math.isclose(value, item.divisor)), "")
     divisor = divisor or (f"√{item.repeats}" if item.repeats else plain(item.divisor, ".3g"))
     numbers = plain(item.estimate, ".5g"), plain(item.stated, ".2g"), divisor, plain(item.std, ".2g")

@@ -14,6 +14,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
+from ropefric.fitting.result import FitStatus
 from ropefric.scenes.kind import finite, value_at
 from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, MOST_CASES, Answers, Points, Progress, solve_points
@@ -126,6 +127,13 @@ def _friction(scene: Scene) -> _Friction | None:
             "the covariance of the fit is not known, so nothing can be drawn from it",
             key="friction.fit",
             fix="measure the conditions that would show all parameters, or fit a simpler law",
+        )
+    if fit.status is FitStatus.UNIDENTIFIABLE:
+        # They lie in a curved valley, of which the covariance is the tangent: far along it are no forces.
+        raise InputError(
+            f"the data do not determine all parameters of {fit.law}, so draws of them are not draws of its forces",
+            key="friction.fit",
+            fix="solve without draws, which states the interval of the forces, or fit a simpler law",
         )
     common = fit.common_changes
     root = np.hstack([symmetric_root(np.asarray(fit.covariance) - common @ common.T), common])

@@ -15,7 +15,7 @@ import ropefric as rf
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.toml import TomlDocument
 from ropefric.fitting.predict import degrees_of_freedom
-from ropefric.fitting.result import CommonError
+from ropefric.fitting.result import CommonError, FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import _Draws, draw_scene
@@ -265,6 +265,10 @@ def test_nothing_uncertain_and_too_few_or_many_draws_are_refused(hoist_of):
     unknown = with_covariance(hoist_of(), np.nan)
     with pytest.raises(InputError, match="covariance of the fit is not known"):
         draw_scene(unknown, 100)
+    source = hoist_of().source
+    hardly = source._replace(fit=replace(source.fit, status=FitStatus.UNIDENTIFIABLE))
+    with pytest.raises(InputError, match="not draws of its forces"):
+        draw_scene(replace(hoist_of(), source=hardly), 100)
 
 
 # --- reproducible ---

@@ -94,6 +94,11 @@ def test_tdms(tmp_path):
     assert refused(path, ImportProfile(table="pull")).fix == "known: g"
 
 
+def test_tdms_without_waveforms_and_times_has_no_clock(tmp_path):
+    found = inspect_file(save_tdms(tmp_path / "run.tdms", [("Force", F, {"unit_string": "kN"})]))
+    assert (found.notes, found.sampling_rate_Hz) == ((), None)
+
+
 def test_tdms_waveforms_bring_their_own_clock(tmp_path):
     waveform = {"wf_increment": 0.002, "wf_start_offset": 0.0, "wf_start_time": START}
     path = save_tdms(tmp_path / "run.tdms", [("Force", F, {**waveform, "unit_string": "kN"})])

@@ -57,7 +57,7 @@ class Chart(NamedTuple):
     lines: tuple[Line, ...]
 
 
-def in_words(value: float | None, form: str = ".4g", factor: float = 1.0) -> str:
+def in_cell(value: float | None, form: str = ".4g", factor: float = 1.0) -> str:
     """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left; yes or no."""
     if value is None or not math.isfinite(value):
         return "–"

@@ -300,7 +300,9 @@ def _busy(folder: Path, run: str) -> DataError:
 def _this_run() -> str:
     """Return process, machine, start and command of this run; the command last, for it may be long."""
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    command = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
+    program = Path(sys.argv[0])
+    name = program.parent.name if program.name == "__main__.py" else program.name
+    command = shlex.join([name, *sys.argv[1:]])
     return f"process {os.getpid()} on {platform.node()}, since {started}: `{command}`"
 
 

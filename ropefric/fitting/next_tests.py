@@ -406,7 +406,7 @@ def plan_tests(
     if places.size < n_conditions:
         text = f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned"
         fix = "give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions"
-        raise InputError(text, key="limits", fix=fix)
+        raise InputError(text, key="settings", fix=fix)
     candidates, along = planned.evidence(grid.select(places), repeats), planned.gradients(wanted)
     least = planned.n_free + 1 - len(known.rows)
     _check_determined(planned, np.vstack([candidates.rows, known.rows]), least, n_conditions)
@@ -488,7 +488,7 @@ def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int)
         shown_by = ", ".join(words for effect, words in varied.items() if effect in law.effects) or "wraps"
         text = f"every plan within these settings is singular: none can determine {', '.join(names)} of {law.name}"
         fix = f"give more {shown_by}, or plan for a simpler law"
-        raise InputError(text, code="RF410", key="limits", fix=fix)
+        raise InputError(text, code="RF410", key="settings", fix=fix)
 
 
 def _on_trust(planned: PlannedLaw, limits: RigLimits, wanted: Conditions, plan: Conditions) -> list[str]:

@@ -99,7 +99,7 @@ class RigLimits:
             sizes = " × ".join(str(size) for size in self.shape)
             text = f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}"
             fix = "give fewer wheels, wraps or end tensions, or fewer levels"
-            raise InputError(text, key="limits", fix=fix)
+            raise InputError(text, key="settings", fix=fix)
         for name in ("rope_radius_m", "largest_force_N"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} is not positive", key=name)

@@ -15,7 +15,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
-from ropefric.section import Section, in_words
+from ropefric.section import Section, in_cell
 from ropefric.systems.effect import System
 
 
@@ -548,7 +548,7 @@ Columns = Mapping[str, tuple[str, str] | tuple[str, str, float]]
 
 def cells(one: Mapping[str, Any], columns: Iterable[tuple[Any, ...]]) -> tuple[str, ...]:
     """Return a row of a table: the numbers of these names, each in its format and with its factor."""
-    return tuple(in_words(one.get(name), *form) for name, *form in columns)
+    return tuple(in_cell(one.get(name), *form) for name, *form in columns)
 
 
 def by_rows(title: str, what: str, rows: Mapping[str, Any], columns: Columns, **more: Any) -> Section:

@@ -49,6 +49,13 @@ def test_without_repeats_the_scatter_comes_from_the_residuals():
     assert "taken from the residuals" in fit.notes[0]
 
 
+def test_both_criteria_count_each_parameter_and_the_scatter():
+    at = grid([0.02, 0.04], [3.0, 6.0, 9.0], [20.0, 60.0])
+    log_lift = np.log(at.end_tension_N) + 0.2 * at.wrap_angle_rad + 0.01 * np.sin(np.arange(len(at)))
+    found, n, k = fit_law(table_at(at, log_lift), "constant").statistics, len(at), 2
+    assert found.bic - found.aicc == pytest.approx(k * np.log(n) - 2 * k - 2 * k * (k + 1) / (n - k - 1))
+
+
 def test_unused_trials_do_not_count():
     table = table_of("constant", [0.2])
     wild = np.where(np.arange(len(table)) % 5 == 0, 10 * table.peak_N, table.peak_N)

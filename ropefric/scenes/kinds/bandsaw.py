@@ -373,7 +373,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
         lines=tuple(_lines(tree, sides)),
         headings=("mode", *(f"{side} [Hz]" for side in sides)),
         rows=tuple(
-            (f"{word}{mode + 1}", *(section.in_words(tree[side][name][mode], ".3f") for side in sides))
+            (f"{word}{mode + 1}", *(section.in_cell(tree[side][name][mode], ".3f") for side in sides))
             for word, name in shown.items()
             for mode in modes
         ),

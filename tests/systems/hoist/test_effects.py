@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws.bending import lifted_arc_rad
+from ropefric.systems.effect import log_change
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM
 
@@ -107,3 +108,10 @@ def test_a_law_that_helps_the_rope_to_slip_is_refused(solved):
     assert solved(rope, []).log_lift > np.log(60.0)
     with pytest.raises(InputError, match="negative coefficient"):
         solved(rope, ["wrap-dependence"])
+
+
+def test_an_answer_that_one_side_alone_has_is_an_infinite_change():
+    numbers = np.array([1.0, np.nan, np.inf])
+    assert log_change(numbers, numbers) == 0.0
+    for others in ([np.nan, np.nan, np.inf], [1.0, 2.0, np.inf], [1.0, np.nan, 3.0]):
+        assert log_change(numbers, np.array(others)) == np.inf

@@ -226,6 +226,10 @@ def test_from_both_ends_the_larger_tension_holds_and_they_meet_at_the_least(answ
     )
     anchors_N = [found["anchor_N"] for found in slipped["anchored"]]
     assert anchors_N == pytest.approx([one["anchored"][0]["anchor_N"]] * 2)
+    behind = slice(1, None), slice(0, 2)  # out of reach of the slip nothing changes
+    for found, place, unchanged in zip(slipped["anchored"], (0, 2), behind, strict=True):
+        assert found["tension_N"][place] == found["anchor_N"]
+        assert found["tension_N"][unchanged] == pytest.approx(both["tension_N"][unchanged], rel=1e-12)
 
 
 def test_two_jacks_of_which_one_does_all():

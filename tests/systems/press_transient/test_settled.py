@@ -117,4 +117,7 @@ def test_the_factor_of_eq_37_over_a_start_up(kit, press):
     np.testing.assert_allclose(found.as_printed[5:], by_hand[5:], rtol=2e-3)
     steady = SlipTable(press, found.settled.tension_N - kit.speed_m_s**2 * press.density_kg_m, mu).as_printed
     np.testing.assert_allclose(found.as_printed[-1], steady, rtol=1e-6)
-    assert found.summary()["peak_as_printed"]["2"] == found.as_printed[:, 1].max()
+    of_roller, of_span = found.summary()["peak_as_printed"], found.press.spans[0].name
+    assert of_roller["2"] == found.as_printed[:, 1].max()
+    ends = [found.summary()[name][of_span] for name in ("lowest_tension_N", "peak_tension_N")]
+    assert ends == [found.tension_N[:, 0].min(), found.tension_N[:, 0].max()]

@@ -47,6 +47,9 @@ def test_the_printed_factors_of_friction_and_tensions(answer):
     found = dict(zip(CASES, zip(answer.tight_N[:, 0], answer.slack_N[:, 0], strict=True), strict=True))
     assert found["loading"] == pytest.approx((14856.0, 9991.0), abs=0.5)
     assert found["braking-up"] == pytest.approx((10760.0, 6542.0), abs=0.5)
+    rope_kg_m = 4.0 * 0.336
+    hung_up_kg = 700.0 + 2.0 * rope_kg_m, (2.57 + 18.0) * rope_kg_m  # the counterweight on its buffer
+    assert found["stalled"] == pytest.approx(9.81 * np.array(hung_up_kg), rel=1e-12)
 
 
 def test_answers_are_told_apart_by_the_logarithms_of_all_their_numbers(answer):

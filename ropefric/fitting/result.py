@@ -347,10 +347,11 @@ class FitResult(Shown):
     def _of_conditions(self) -> Iterator[Doubt]:
         """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
-        within, spare, lifts = found.scatter_within, n - q, np.array(self.trials.get("mean_log_lift", (0.0,)))
-        # A rope of its own for each condition explains any misfit as well.
-        rise = lifts - np.log(self.trials.get("end_tension_N", (1.0,)))
-        own2 = self.scatter.own_mu_variance(lifts.size) * float(np.mean(rise**2))
+        within, spare, lifts = found.scatter_within, n - q, self.trials.get("mean_log_lift", (0.0,))
+        if own2 := self.scatter.own_mu_variance(
+            len(lifts)
+        ):  # a rope of each condition explains a misfit as well
+            own2 *= float(np.mean((np.array(lifts) - np.log(self.trials["end_tension_N"])) ** 2))
         between = hypot(found.scatter_between, sqrt(own2))
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"

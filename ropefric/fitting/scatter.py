@@ -8,11 +8,11 @@ conditions that happens to lie below the repeats' stays what it is, which makes 
 Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's. Of a group with
 few levels the estimated variance is often zero by chance. Its intervals hold for all variances that the restricted
 likelihood leaves possible, see `Mixture`, so that three ropes count as three. A rope of its own for each condition is
-told from what else a condition brings by the growth with the rise; one for each pull makes repeats uneven (`Uneven`).
+told from what else a condition brings by the growth with the rise.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -44,34 +44,16 @@ _TINY = 1e-300
 
 
 class Uneven(NamedTuple):
-    """How the variance of ln F_A grows: as e^{exponent (x − centre)}, over the x tested.
-
-    x is ln F_A, or the logarithm of the rise ln(F_A/F_B), with which it grows where each pull has a rope of its own.
-    """
+    """How the variance of ln F_A grows with the force: by e^{exponent (ln F_A − centre)}, over the forces tested."""
 
     exponent: float = 0.0
     centre: float = 0.0
     low: float = 0.0
     high: float = 0.0
-    by: str = "force"
 
-    def factor(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
+    def factor(self, log_lift: FloatArray) -> FloatArray:
         """Return the variance at forces over that at the centre."""
-        x = np.clip(_GROWS_WITH[self.by](log_lift, rise), self.low, self.high)
-        return np.exp(self.exponent * (x - self.centre))
-
-
-_GROWS_WITH: dict[str, Callable[[FloatArray, FloatArray], FloatArray]] = {
-    "force": lambda log_lift, _rise: log_lift,
-    "rise": lambda _log_lift, rise: np.log(np.maximum(rise, _TINY)),
-}
-_IN_WORDS = {
-    "force": ("at the lowest force", "at the highest"),
-    "rise": (
-        "at the smallest ln(F_A/F_B)",
-        "at the largest, as where each pull has a rope with a μ of its own",
-    ),
-}
+        return np.exp(self.exponent * (np.clip(log_lift, self.low, self.high) - self.centre))
 
 
 EVEN = Uneven()
@@ -165,17 +147,14 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
         text = f"{k} cells of conditions and {', '.join(own)} are more than one matrix of covariances holds"
         raise InputError(text, key="groups", fix=f"name fewer groups, for {_MOST_CELLS} cells at most")
     size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
-    mean_rise = means.log_lift - means.conditions.log_end_tension
-    uneven = _unevenness(means.log_lift, mean_rise, size, of_cell)
-    factor, spare = uneven.factor(means.log_lift, mean_rise), cell.size - k
+    uneven = _unevenness(means.log_lift, size, of_cell)
+    factor, spare = uneven.factor(means.log_lift), cell.size - k
     squares = float((of_cell / factor).sum())
     if uneven.exponent:
-        ends = squares / max(spare, 1) * np.array([factor.min(), factor.max()])
-        low, high = (
-            f"{100.0 * value**0.5:.2g} %" for value in ends.tolist()[:: 1 if uneven.exponent > 0.0 else -1]
-        )
-        at_low, at_high = _IN_WORDS[uneven.by]
-        notes.append(f"repeats scatter by about {low} {at_low} and {high} {at_high}, and are weighed so")
+        ends = squares / max(spare, 1) * uneven.factor(np.array([uneven.low, uneven.high]))
+        low, high = (f"{100.0 * value**0.5:.2g} %" for value in ends.tolist())
+        text = f"repeats scatter by about {low} at the lowest force and {high} at the highest"
+        notes.append(f"{text}, and are weighed so")
     even, left, tail_dof = about / np.sqrt(factor)[cell], 1.0 - 1.0 / size[cell], np.inf
     if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
         tail_dof, tails = _tails(even, left, spare)
@@ -185,27 +164,24 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     )
 
 
-def _unevenness(log_lift: FloatArray, rise: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
-    """Return how the variance of repeats goes with the force or the rise, whichever is surer, where it is beyond chance.
+def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
+    """Return how the variance of repeats goes with the force, where that is beyond chance.
 
     ln s² of ν degrees of freedom scatters by ψ'(ν/2) about ln σ² + ψ(ν/2) − ln(ν/2) (Bartlett & Kendall 1946), so that
     a straight line through them, weighed, has a known error.
     """
     seen = (size > 1.0) & (squares > stats.SMALLEST_SCATTER**2)
-    half, surest, found = 0.5 * (size[seen] - 1.0), _BEYOND_CHANCE, EVEN
+    half, x = 0.5 * (size[seen] - 1.0), log_lift[seen]
+    if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
+        return EVEN
     y, weight = np.log(squares[seen] / (2.0 * half)) - psi(half) + np.log(half), 1.0 / zeta(2, half)
-    for by, of in _GROWS_WITH.items():
-        every = of(log_lift, rise)
-        x = every[seen]
-        if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
-            continue
-        centre = float(weight @ x / weight.sum())
-        spread = float(weight @ (x - centre) ** 2)
-        exponent = float(weight @ ((x - centre) * y)) / spread
-        if (deviations := abs(exponent) * spread**0.5) >= surest:
-            ends = significant(float(every.min()), 6), significant(float(every.max()), 6)
-            surest, found = deviations, Uneven(significant(exponent, 6), significant(centre, 6), *ends, by)
-    return found
+    centre = float(weight @ x / weight.sum())
+    spread = float(weight @ (x - centre) ** 2)
+    exponent = float(weight @ ((x - centre) * y)) / spread
+    if abs(exponent) * spread**0.5 < _BEYOND_CHANCE:
+        return EVEN
+    ends = significant(float(log_lift.min()), 6), significant(float(log_lift.max()), 6)
+    return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
 
 
 def _tails(about: FloatArray, own: FloatArray, spare: int) -> tuple[float, list[str]]:
@@ -327,7 +303,7 @@ class ScatterModel:
 
     def one_pull(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
         """Return how much of each variance one pull with all groups new adds to that of ln F_A, shape (r, m)."""
-        single = self.uneven.factor(log_lift, rise)
+        single = self.uneven.factor(log_lift)
         own = [rise**2 if name in self.groups else single * (name != ALL) for name in self.names]
         return np.array(own).reshape(len(own), rise.size).T
 
@@ -413,10 +389,7 @@ class ScatterModel:
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
-        uneven = self.uneven._asdict()
-        if self.uneven.by == "force":  # what older versions can read
-            del uneven["by"]
-        tree = {name: getattr(self, name) for name in names} | {"uneven": uneven}
+        tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
         tree |= {"labels": dict(self.labels)} if self.labels else {}
         tree |= {"mixtures": [one._asdict() for one in self.mixtures]} if self.mixtures else {}
         return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
@@ -583,8 +556,7 @@ def _parts_of(names: Sequence[str], layout: Layout, rise: FloatArray, *, full: b
 
 def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
     """Return what a component adds to the covariance of the cells by a variance of one; a vector for a diagonal."""
-    log_lift = layout.problem.log_lift
-    factor = layout.uneven.factor(log_lift, log_lift - layout.problem.conditions.log_end_tension)
+    factor = layout.uneven.factor(layout.problem.log_lift)
     if name == REPEAT:
         return factor / layout.size
     if name == CONDITION:

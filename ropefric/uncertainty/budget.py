@@ -194,7 +194,7 @@ class BudgetLine(NamedTuple):
         return f"{self.name} (assumed)" if self.source.assumed else self.name
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the line as JSON-able values; what a block has none of is None."""
+        """Return the line as JSON-able values; infinite degrees of freedom are None."""
         item = self.source
         names = ("name", "symbol", "type", "unit", "estimate", "stated", "divisor", "distribution")
         return {name: getattr(item, name) for name in names} | {

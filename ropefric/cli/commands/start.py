@@ -88,10 +88,8 @@ def _write_scenes(out: Output, folder: Path, names: Sequence[str], *, overwrite:
     keys = scene_keys.keys_of(names) if names else {}
     for system, rows in keys.items():
         cells = [(row.name, row.unit, row.default, row.meaning) for row in rows]
-        title, headings = (
-            f"all keys of a scene with system = {system!r}:",
-            ("key", "unit", "default", "meaning"),
-        )
+        title = f"all keys of a scene with system = {system!r}:"
+        headings = ("key", "unit", "default", "meaning")
         out.note(section.as_text([section.Section(title, (), headings, cells, left=4)]).rstrip("\n"))
     first = folder / "hoist.toml"
     out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
